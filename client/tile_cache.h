@@ -1,0 +1,62 @@
+#pragma once
+
+#include <osg/Billboard>
+#include <osg/Drawable>
+#include <osg/Image>
+#include <osg/Matrixd>
+#include <osg/StateSet>
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "common/assets/asset_id.h"
+#include "common/base/result.h"
+#include "common/geometry/vec.h"
+#include "common/scene/osgb_codec.h"
+#include "proto/messages.h"
+
+namespace tessera {
+
+/// A leaf that this tile can draw.
+struct CachedLeaf {
+  osg::ref_ptr<osg::Drawable> drawable;
+  osg::ref_ptr<osg::StateSet> state;
+  std::uint32_t stateRank = 0;  ///< the same order of states on every tile: leaves are drawn by it
+  Mat4 localToWorld;
+  Vec3 center;
+  osg::ref_ptr<osg::Billboard> billboard;  ///< computes the turn; null for most
+  osg::Vec3d billboardPosition;
+};
+
+/// The assets and leaves that this tile was sent, and nothing else of the scene.
+class TileCache {
+ public:
+  /// `decodes`: false keeps no OSG objects (a tile that draws nothing), but checks everything all the same.
+  explicit TileCache(bool decodes) : decodes_(decodes) {}
+
+  /// Refuses an asset whose bytes do not have the hash that names it.
+  [[nodiscard]] Status add(const proto::Assets& message);
+  /// Refuses a leaf out of range or whose assets are not here.
+  [[nodiscard]] Status add(const proto::Leaves& message, std::uint32_t leafCount);
+
+  /// Null: not here.
+  [[nodiscard]] const CachedLeaf* find(std::uint32_t leaf) const;
+  [[nodiscard]] bool has(std::uint32_t leaf) const { return leaves_.contains(leaf); }
+
+ private:
+  [[nodiscard]] Status addAsset(const proto::Asset& asset);
+
+  struct State {
+    osg::ref_ptr<osg::StateSet> object;
+  };
+  bool decodes_;
+  OsgbCodec codec_;
+  std::unordered_map<AssetId, osg::ref_ptr<osg::Drawable>, AssetIdHash> drawables_;
+  std::unordered_map<AssetId, osg::ref_ptr<osg::StateSet>, AssetIdHash> states_;
+  std::unordered_map<std::string, osg::ref_ptr<osg::Image>> images_;
+  std::unordered_map<std::uint32_t, CachedLeaf> leaves_;
+};
+
+}  // namespace tessera

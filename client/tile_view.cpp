@@ -1,0 +1,164 @@
+#include "client/tile_view.h"
+
+#include <Eigen/Geometry>
+#include <osg/Depth>
+#include <osg/Light>
+#include <osg/LightModel>
+#include <osg/Material>
+#include <osgUtil/CullVisitor>
+
+#include <algorithm>
+#include <tuple>
+
+namespace tessera {
+
+namespace {
+
+osg::Matrixd toOsg(const Mat4& m) {
+  osg::Matrixd out;
+  Eigen::Map<Mat4>(out.ptr()) = m;  // see toColumnVectors in common/scene/extract.cpp
+  return out;
+}
+
+/// A light from a direction of the world (y up); the same for all tiles, so that seams do not show.
+osg::ref_ptr<osg::Light> directionalLight(int number, const osg::Vec3& to, const osg::Vec4& diffuse, float specular) {
+  osg::ref_ptr<osg::Light> light = new osg::Light(static_cast<unsigned int>(number));
+  osg::Vec3 direction = to;
+  direction.normalize();
+  light->setPosition(osg::Vec4(direction, 0));
+  light->setAmbient(osg::Vec4(0, 0, 0, 1));
+  light->setDiffuse(diffuse);
+  light->setSpecular(osg::Vec4(specular, specular, specular, 1));
+  return light;
+}
+
+/// What OSG assumes of a scene that says nothing: lit, colours from the vertices, normals scaled as needed.
+osg::ref_ptr<osg::StateSet> defaultState() {
+  osg::ref_ptr<osg::StateSet> state = new osg::StateSet;
+  state->setMode(GL_LIGHTING, osg::StateAttribute::ON);
+  state->setMode(GL_LIGHT0, osg::StateAttribute::ON);
+  state->setMode(GL_LIGHT1, osg::StateAttribute::ON);
+  state->setMode(GL_NORMALIZE, osg::StateAttribute::ON);
+  state->setMode(GL_CULL_FACE, osg::StateAttribute::OFF);
+  osg::ref_ptr<osg::LightModel> model = new osg::LightModel;
+  model->setAmbientIntensity(osg::Vec4(0.40F, 0.42F, 0.46F, 1));
+  model->setTwoSided(true);
+  state->setAttributeAndModes(model);
+  osg::ref_ptr<osg::Material> material = new osg::Material;
+  material->setColorMode(osg::Material::AMBIENT_AND_DIFFUSE);
+  state->setAttributeAndModes(material);
+  state->setAttributeAndModes(new osg::Depth(osg::Depth::LESS, 0.0, 1.0));
+  return state;
+}
+
+}  // namespace
+
+/// The visible leaves as one node of the scene graph. Its traversal hands each leaf straight to the cull
+/// visitor's render bins, ordered by state and then by id: an order that does not depend on which other leaves
+/// a tile sees, so that surfaces which coincide are resolved alike on all tiles.
+class LeafListNode : public osg::Node {
+ public:
+  LeafListNode() {
+    setCullingActive(false);
+    setStateSet(defaultState());
+    sun_ = directionalLight(0, osg::Vec3(0.45F, 0.80F, 0.40F), osg::Vec4(0.72F, 0.69F, 0.63F, 1), 0.35F);
+    fill_ = directionalLight(1, osg::Vec3(-0.60F, 0.25F, -0.55F), osg::Vec4(0.16F, 0.18F, 0.22F, 1), 0);
+  }
+
+  void setList(const VisibleList& list, const TileCache& cache) {
+    leaves_.clear();
+    forEachLeaf(list, [&](std::uint32_t id) {
+      if (const CachedLeaf* leaf = cache.find(id)) leaves_.emplace_back(leaf->stateRank, id, leaf);
+    });
+    std::sort(leaves_.begin(), leaves_.end());
+  }
+
+  /// `rotation`: world axes to the eye's.
+  void setEye(const Vec3& eye, const Mat3& rotation) { eye_ = eye, rotation_ = rotation; }
+
+  osg::BoundingSphere computeBound() const override { return osg::BoundingSphere(osg::Vec3(), 1); }
+
+  void accept(osg::NodeVisitor& visitor) override {
+    if (visitor.getVisitorType() != osg::NodeVisitor::CULL_VISITOR) return;
+    auto* cull = dynamic_cast<osgUtil::CullVisitor*>(&visitor);
+    if (!cull) return;
+    cull->pushStateSet(getStateSet());
+    const auto eyeAxes = new osg::RefMatrix(toOsg(rotationOnly()));
+    cull->addPositionedAttribute(eyeAxes, sun_);
+    cull->addPositionedAttribute(eyeAxes, fill_);
+    const osg::StateSet* current = nullptr;
+    for (const auto& [rank, id, leaf] : leaves_) {
+      if (leaf->state.get() != current) {
+        if (current) cull->popStateSet();
+        cull->pushStateSet(leaf->state);
+        current = leaf->state;
+      }
+      add(*cull, *leaf);
+    }
+    if (current) cull->popStateSet();
+    cull->popStateSet();
+  }
+
+ private:
+  [[nodiscard]] Mat4 rotationOnly() const {
+    Mat4 m = Mat4::Identity();
+    m.topLeftCorner<3, 3>() = rotation_;
+    return m;
+  }
+
+  void add(osgUtil::CullVisitor& cull, const CachedLeaf& leaf) const {
+    Mat4 relative = leaf.localToWorld;
+    relative.col(3).head<3>() -= eye_;
+    const Mat4 modelview = rotationOnly() * relative;
+    osg::ref_ptr<osg::RefMatrix> matrix = new osg::RefMatrix(toOsg(modelview));
+    if (leaf.billboard) {
+      const osg::Vec3d eyeLocal = osg::Vec3d(0, 0, 0) * osg::Matrixd::inverse(*matrix);
+      leaf.billboard->computeMatrix(*matrix, eyeLocal, leaf.billboardPosition);
+    }
+    const double depth = -(rotation_.row(2) * (leaf.center - eye_))(0);
+    cull.addDrawableAndDepth(leaf.drawable, matrix, static_cast<float>(depth));
+  }
+
+  std::vector<std::tuple<std::uint32_t, std::uint32_t, const CachedLeaf*>> leaves_;
+  osg::ref_ptr<osg::Light> sun_, fill_;
+  Vec3 eye_ = Vec3::Zero();
+  Mat3 rotation_ = Mat3::Identity();
+};
+
+TileView::TileView(int widthPx, int heightPx, const std::array<float, 3>& backgroundRgb) : leaves_(new LeafListNode) {
+  viewer_.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
+  viewer_.setUseConfigureAffinity(false);  // else every tile process would pin itself to the same core
+  viewer_.setUpViewerAsEmbeddedInWindow(0, 0, widthPx, heightPx);
+  viewer_.setLightingMode(osg::View::NO_LIGHT);
+  osg::Camera& camera = *viewer_.getCamera();
+  camera.setClearColor(osg::Vec4(backgroundRgb[0], backgroundRgb[1], backgroundRgb[2], 1));
+  camera.setComputeNearFarMode(osg::CullSettings::DO_NOT_COMPUTE_NEAR_FAR);
+  camera.setCullingMode(osg::CullSettings::NO_CULLING);
+  camera.setViewMatrix(osg::Matrixd::identity());
+  viewer_.setSceneData(leaves_);
+  viewer_.realize();
+}
+
+TileView::~TileView() = default;
+
+void TileView::setList(const VisibleList& list, const TileCache& cache) { leaves_->setList(list, cache); }
+
+void TileView::draw(const proto::Frame& frame) {
+  Mat3 rotation;
+  rotation.row(0) = frame.right.transpose();
+  rotation.row(1) = frame.up.transpose();
+  rotation.row(2) = frame.right.cross(frame.up).transpose();  // towards the eye
+  leaves_->setEye(frame.eye, rotation);
+
+  // The image rectangle on the near plane; left and right are the same for all tiles of a column, as the
+  // corners are, and so on.
+  const Vec3 lowerLeft = rotation * (frame.corners[0] - frame.eye);
+  const Vec3 upperRight = rotation * (frame.corners[2] - frame.eye);
+  const double toNearLeft = frame.nearM / -lowerLeft.z(), toNearRight = frame.nearM / -upperRight.z();
+  viewer_.getCamera()->setProjectionMatrixAsFrustum(lowerLeft.x() * toNearLeft, upperRight.x() * toNearRight,
+                                                    lowerLeft.y() * toNearLeft, upperRight.y() * toNearRight,
+                                                    frame.nearM, frame.farM);
+  viewer_.frame();
+}
+
+}  // namespace tessera

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/box.h"
+#include "common/hierarchy/visible_list.h"
+
+namespace tessera {
+
+/// Bounds of one leaf's geometry in world space; each of the three holds all of it on its own.
+struct Bounds {
+  Aabb aabb;
+  Obb obb;
+  Sphere sphere;
+};
+
+/// Bounds of points, each known to within `margin` per axis. At least one point; all finite.
+[[nodiscard]] Bounds boundsOf(std::span<const Vec3> points, const Vec3& margin);
+
+/// The object hierarchy (OH) of a scene as flat arrays in depth-first pre-order. Node 0 is the root. Leaf
+/// ids count the nodes without children in the same order, so the leaves below any node are one range, and
+/// skipping a subtree is one jump. An empty hierarchy has no nodes.
+class ObjectHierarchy {
+ public:
+  [[nodiscard]] std::uint32_t nodeCount() const { return static_cast<std::uint32_t>(subtreeEnd_.size()); }
+  [[nodiscard]] std::uint32_t leafCount() const { return static_cast<std::uint32_t>(leafNode_.size()); }
+  [[nodiscard]] bool empty() const { return subtreeEnd_.empty(); }
+
+  /// One past the last node of the subtree: the next node in pre-order that is not below `node`.
+  [[nodiscard]] std::uint32_t subtreeEnd(std::uint32_t node) const { return subtreeEnd_[node]; }
+  [[nodiscard]] bool isLeaf(std::uint32_t node) const { return subtreeEnd_[node] == node + 1; }
+  [[nodiscard]] LeafRange leaves(std::uint32_t node) const {
+    return {leafBegin_[node], leafBegin_[subtreeEnd_[node]]};
+  }
+  /// kNoParent for the root.
+  [[nodiscard]] std::uint32_t parent(std::uint32_t node) const { return parent_[node]; }
+  [[nodiscard]] std::uint32_t nodeOfLeaf(std::uint32_t leaf) const { return leafNode_[leaf]; }
+
+  [[nodiscard]] const Aabb& aabb(std::uint32_t node) const { return aabbs_[node]; }
+  [[nodiscard]] const Obb& obb(std::uint32_t node) const { return obbs_[node]; }
+  [[nodiscard]] const Sphere& sphere(std::uint32_t node) const { return spheres_[node]; }
+
+  /// Edges on the longest path from the root; children of inner nodes on average.
+  [[nodiscard]] std::uint32_t depth() const;
+  [[nodiscard]] double meanBranching() const;
+
+  static constexpr std::uint32_t kNoParent = UINT32_MAX;
+
+ private:
+  friend class ObjectHierarchyBuilder;
+  std::vector<std::uint32_t> subtreeEnd_;
+  std::vector<std::uint32_t> leafBegin_;  ///< one more than nodes: the last entry is the number of leaves
+  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> leafNode_;
+  std::vector<Aabb> aabbs_;
+  std::vector<Obb> obbs_;
+  std::vector<Sphere> spheres_;
+};
+
+/// Builds an ObjectHierarchy from a pre-order walk: openNode, addLeaf and closeNode in the order of the
+/// scene. Inner nodes with nothing below them vanish; one with a single child gives way to that child, as
+/// its bounds would be the same. The bounds of inner nodes are computed in finish, bottom-up: the box by PCA
+/// over the corners of the children's boxes (Nirnimesh, Harish, Narayanan 2006, Algorithm 1).
+class ObjectHierarchyBuilder {
+ public:
+  ObjectHierarchyBuilder();
+  void openNode();
+  /// Returns the leaf's id.
+  std::uint32_t addLeaf(const Bounds& bounds);
+  void closeNode();
+  /// Every opened node must be closed. What lies outside any node is put under one root.
+  [[nodiscard]] ObjectHierarchy finish();
+
+ private:
+  struct Links {
+    std::uint32_t subtreeEnd, leafBegin, parent;
+  };
+  static constexpr std::uint32_t kOpen = UINT32_MAX;  ///< subtreeEnd of a node still open
+
+  void append(const Links& links, const Bounds& bounds);
+  void removeLast();
+  void close();
+  void computeInnerBounds();
+  ObjectHierarchy oh_;
+  std::vector<std::uint32_t> open_;
+  std::vector<bool> dropped_;  ///< nodes that give way to their only child in finish
+};
+
+}  // namespace tessera

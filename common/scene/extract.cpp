@@ -1,0 +1,281 @@
+#include "common/scene/extract.h"
+
+#include <Eigen/Geometry>
+#include <osg/Billboard>
+#include <osg/Camera>
+#include <osg/LOD>
+#include <osg/LightSource>
+#include <osg/NodeVisitor>
+#include <osg/Transform>
+
+#include <algorithm>
+#include <set>
+
+#include "common/scene/asset_writer.h"
+
+namespace tessera {
+
+namespace {
+
+/// Notes the children that a node would traverse, without going further down.
+class ActiveChildren : public osg::NodeVisitor {
+ public:
+  ActiveChildren() : osg::NodeVisitor(TRAVERSE_ACTIVE_CHILDREN) {}
+  void apply(osg::Node& node) override { children.push_back(&node); }
+  std::vector<osg::Node*> children;
+};
+
+/// A transform from local to world with a bound of its rounding: every entry of the exact product of the
+/// chain differs from `matrix` by at most steps * 8u * `absolute`. A product of two 4x4 matrices errs by 4u of the
+/// product of the absolute values; as much again is kept for the rounding of the factors themselves, which may
+/// come from a rotation.
+struct WorldTransform {
+  Mat4 matrix = Mat4::Identity();
+  Mat4 absolute = Mat4::Identity();
+  int steps = 1;
+
+  [[nodiscard]] WorldTransform then(const Mat4& local) const {
+    return {matrix * local, absolute * local.cwiseAbs(), steps + 1};
+  }
+  /// Bound of the error of any transformed point with |p| <= `reach` per component.
+  [[nodiscard]] Vec3 errorAt(const Vec3& reach) const {
+    return (absolute * reach.homogeneous()).head<3>() * (8.0 * (steps + 1) * kUnitRoundoff);
+  }
+};
+
+Mat4 toColumnVectors(const osg::Matrixd& m) {
+  // OSG's row-major matrix for row vectors is, read column by column, the same map for column vectors.
+  return Eigen::Map<const Mat4>(m.ptr());
+}
+
+Vec3 toVec3(const osg::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+
+class Extractor {
+ public:
+  Extractor(const ImportedGraph& graph, Scene& scene) : graph_(graph), scene_(scene), writer_(scene.assets) {}
+
+  Status run() {
+    push(*graph_.root, {}, nullptr, 0, 0, true);
+    while (!visits_.empty()) {
+      Visit visit = std::move(visits_.back());
+      visits_.pop_back();
+      if (!visit.node) {
+        builder_.closeNode();
+        continue;
+      }
+      if (Status status = enter(visit); !status) return status;
+    }
+    scene_.hierarchy = builder_.finish();
+    for (const std::string& warning : warned_) scene_.warnings.push_back(warning);
+    return Done{};
+  }
+
+ private:
+  struct Visit {
+    const osg::Node* node = nullptr;  ///< null: close the node that is open
+    WorldTransform transform;
+    const osg::StateSet* state = nullptr;
+    std::uint32_t parentPath = 0;
+    std::uint32_t childIndex = 0;
+  };
+
+  void push(const osg::Node& node, const WorldTransform& transform, const osg::StateSet* state,
+            std::uint32_t parentPath, std::uint32_t childIndex, bool isRoot = false) {
+    if (isRoot) scene_.pathNodes.push_back({0, "root"});
+    visits_.push_back({&node, transform, state, parentPath, childIndex});
+  }
+
+  /// Opens a node: its own drawables become leaves, its children are left for later.
+  Status enter(const Visit& visit) {
+    const osg::Node& node = *visit.node;
+    if (skips(node)) return Done{};
+    const bool isRoot = visit.node == graph_.root.get();
+    const std::uint32_t path = isRoot ? 0 : addPath(visit, node);
+
+    WorldTransform transform = visit.transform;
+    if (const osg::Transform* local = node.asTransform()) {
+      osg::Matrixd matrix;
+      local->computeLocalToWorldMatrix(matrix, nullptr);
+      const Mat4 m = toColumnVectors(matrix);
+      if (!m.allFinite()) return nodeError(path, "has a matrix with a number that is not finite");
+      if (m.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+        return nodeError(path, "has a matrix that is not affine");
+      }
+      transform = transform.then(m);
+      if (!transform.absolute.allFinite()) return nodeError(path, "is scaled beyond the range of numbers");
+    }
+    const osg::StateSet* state = writer_.merged(visit.state, node.getStateSet());
+
+    builder_.openNode();
+    visits_.emplace_back();  // closes it
+    ActiveChildren active;
+    if (const osg::Group* group = node.asGroup()) const_cast<osg::Group*>(group)->traverse(active);
+    const std::size_t firstChild = visits_.size();
+    std::uint32_t drawableIndex = 0;
+    for (std::uint32_t i = 0; i < active.children.size(); ++i) {
+      const osg::Node& child = *active.children[i];
+      if (const osg::Drawable* drawable = child.asDrawable()) {
+        if (Status status = addLeaf(*drawable, node, drawableIndex++, transform, state, path); !status) return status;
+      } else {
+        push(child, transform, state, path, i);
+      }
+    }
+    // Last in, first out: the first child must be popped first.
+    std::reverse(visits_.begin() + static_cast<std::ptrdiff_t>(firstChild), visits_.end());
+    return Done{};
+  }
+
+  /// Things that are no part of the scene or cannot be shown; each kind is said once.
+  bool skips(const osg::Node& node) {
+    if (node.getNumChildrenRequiringUpdateTraversal() > 0 || node.getUpdateCallback()) {
+      warn("animation callbacks are not run: the scene is shown as it was loaded");
+    }
+    if (node.asCamera()) return warn("cameras inside the scene (overlays, pre-render passes) are left out");
+    if (dynamic_cast<const osg::LightSource*>(&node)) {
+      warn("the scene's own lights are left out: the wall lights all scenes alike");
+    }
+    if (dynamic_cast<const osg::LOD*>(&node)) warn("of nodes with levels of detail the finest level is shown");
+    if (const osg::Transform* transform = node.asTransform()) {
+      if (transform->getReferenceFrame() != osg::Transform::RELATIVE_RF) {
+        return warn("nodes with an absolute reference frame are left out");
+      }
+    }
+    return false;
+  }
+
+  bool warn(const std::string& sentence) {
+    warned_.insert(sentence);
+    return true;
+  }
+
+  std::uint32_t addPath(const Visit& visit, const osg::Node& node) {
+    const auto path = static_cast<std::uint32_t>(scene_.pathNodes.size());
+    std::string name = node.getName();
+    if (name.empty()) name = std::string(node.className()) + "[" + std::to_string(visit.childIndex) + "]";
+    std::replace(name.begin(), name.end(), '/', '_');
+    scene_.pathNodes.push_back({visit.parentPath, std::move(name)});
+    pathChild_.resize(scene_.pathNodes.size(), 0);
+    pathChild_[path] = visit.childIndex;
+    return path;
+  }
+
+  Status addLeaf(const osg::Drawable& drawable, const osg::Node& parent, std::uint32_t drawableIndex,
+                 const WorldTransform& transform, const osg::StateSet* inherited, std::uint32_t path) {
+    const std::string library = drawable.libraryName();
+    if (library == "osgParticle" || library == "osgText") {
+      warn("drawables of " + library + " are left out: they change with the frame or the view");
+      return Done{};
+    }
+    const auto written = writer_.writeDrawable(drawable);
+    if (!written) return nodeError(path, "drawable " + std::to_string(drawableIndex) + " " + written.error().what);
+    const WrittenDrawable& geometry = **written;
+    if (geometry.isEmpty) {
+      warn("drawables without any vertex are left out");
+      return Done{};
+    }
+    SceneLeaf leaf;
+    leaf.drawable = geometry.id;
+    leaf.triangles = geometry.triangles;
+    leaf.pathNode = path;
+    leaf.source = sourceOf(parent, drawableIndex, path);
+    const auto state = writer_.writeState(writer_.merged(inherited, drawable.getStateSet()));
+    if (!state) return state.error();
+    leaf.state = *state;
+
+    // Shared drawables keep theirs; the points of all others would double the memory of the import.
+    std::vector<Vec3> points = drawable.getNumParents() > 1 ? geometry.points : writer_.takePoints(drawable);
+    const auto* billboard = dynamic_cast<const osg::Billboard*>(&parent);
+    if (billboard) {
+      leaf.billboard = billboardOf(*billboard, drawableIndex);
+      points = reachOf(points, *leaf.billboard);
+    }
+    Vec3 reach = Vec3::Zero();
+    for (Vec3& p : points) {
+      reach = reach.cwiseMax(p.cwiseAbs());
+      p = (transform.matrix * p.homogeneous()).head<3>();
+      if (!p.allFinite()) return nodeError(path, "places a vertex beyond the range of numbers");
+    }
+    leaf.localToWorld = transform.matrix;
+    if (!leaf.billboard) {
+      leaf.localToWorld.col(3) += transform.matrix.leftCols<3>() * geometry.origin;
+    } else if (!geometry.origin.isZero()) {
+      return nodeError(path, "is a billboard whose drawable lies far from its origin");
+    }
+    builder_.addLeaf(boundsOf(points, transform.errorAt(reach)));
+    scene_.leaves.push_back(std::move(leaf));
+    return Done{};
+  }
+
+  static Billboard billboardOf(const osg::Billboard& node, std::uint32_t drawableIndex) {
+    Billboard billboard;
+    switch (node.getMode()) {
+      case osg::Billboard::POINT_ROT_EYE: billboard.mode = Billboard::Mode::PointRotEye; break;
+      case osg::Billboard::POINT_ROT_WORLD: billboard.mode = Billboard::Mode::PointRotWorld; break;
+      default: billboard.mode = Billboard::Mode::AxialRot; break;
+    }
+    billboard.axis = toVec3(node.getAxis());
+    billboard.normal = toVec3(node.getNormal());
+    billboard.position = toVec3(node.getPosition(drawableIndex));
+    return billboard;
+  }
+
+  /// The corners of a cube that holds every turn of the points about the billboard's position.
+  static std::vector<Vec3> reachOf(const std::vector<Vec3>& points, const Billboard& billboard) {
+    double radius = 0;
+    for (const Vec3& p : points) radius = std::max(radius, p.norm());
+    Aabb cube;
+    cube.extend(billboard.position);
+    cube.inflate(Vec3::Constant(radius * (1 + 1e-12)));
+    const std::array<Vec3, 8> corners = Obb::fromAabb(cube).corners();
+    return {corners.begin(), corners.end()};
+  }
+
+  LeafSource sourceOf(const osg::Node& parent, std::uint32_t drawableIndex, std::uint32_t path) const {
+    LeafSource source;
+    if (const auto known = graph_.gltfSources.find(&parent); known != graph_.gltfSources.end()) {
+      source.gltfNode = static_cast<std::uint32_t>(known->second.node);
+      source.gltfPrimitive = static_cast<std::uint32_t>(known->second.primitives.at(drawableIndex));
+      return source;
+    }
+    if (scene_.isGltf) return source;
+    for (std::uint32_t node = path; node != 0; node = scene_.pathNodes[node].parent) {
+      source.osgNodePath.push_back(pathChild_[node]);
+    }
+    std::reverse(source.osgNodePath.begin(), source.osgNodePath.end());
+    source.osgDrawable = drawableIndex;
+    return source;
+  }
+
+  [[nodiscard]] Error nodeError(std::uint32_t path, const std::string& what) const {
+    std::string name = scene_.pathNodes[path].name;
+    for (std::uint32_t node = path; node != 0;) {
+      node = scene_.pathNodes[node].parent;
+      name = scene_.pathNodes[node].name + "/" + name;
+    }
+    return inputError(scene_.source, "node \"" + name + "\" " + what, "mend or remove it in the scene file");
+  }
+
+  const ImportedGraph& graph_;
+  Scene& scene_;
+  AssetWriter writer_;
+  ObjectHierarchyBuilder builder_;
+  std::vector<Visit> visits_;
+  std::vector<std::uint32_t> pathChild_ = {0};  ///< parallel to pathNodes: index among the parent's children
+  std::set<std::string> warned_;
+};
+
+}  // namespace
+
+Result<Scene> extractScene(ImportedGraph graph, const std::string& source, bool isGltf) {
+  Scene scene;
+  scene.source = source;
+  scene.isGltf = isGltf;
+  scene.warnings = graph.warnings;
+  if (Status status = Extractor(graph, scene).run(); !status) return status.error();
+  if (scene.leaves.empty()) {
+    return inputError(source, "has nothing to draw", "is it the right file, and does it hold meshes?");
+  }
+  return scene;
+}
+
+}  // namespace tessera

@@ -1,0 +1,22 @@
+#include "common/scene/load_scene.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "common/scene/extract.h"
+#include "common/scene/gltf/import_gltf.h"
+#include "common/scene/osg_import.h"
+
+namespace tessera {
+
+Result<Scene> loadScene(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool isGltf = extension == ".gltf" || extension == ".glb";
+  auto graph = isGltf ? importGltf(path) : importOsg(path);
+  if (!graph) return graph.error();
+  return extractScene(std::move(*graph), path.string(), isGltf);
+}
+
+}  // namespace tessera

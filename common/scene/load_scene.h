@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/result.h"
+#include "common/scene/scene.h"
+
+namespace tessera {
+
+/// Loads a scene: glTF 2.0 (.gltf, .glb) or anything that OpenSceneGraph reads. The world is y up: glTF is so
+/// by definition; the other formats are z up by OpenSceneGraph's convention and are turned by -90 degrees
+/// about x (said in the warnings).
+///
+/// Refused: a missing or malformed file, NaN or infinity in vertices or matrices, a scene with nothing to
+/// draw. Stock OpenSceneGraph readers can crash on malformed files of some formats, and this process with them.
+[[nodiscard]] Result<Scene> loadScene(const std::filesystem::path& path);
+
+}  // namespace tessera

@@ -1,0 +1,41 @@
+#include "common/scene/osg_import.h"
+
+#include <osg/MatrixTransform>
+#include <osgDB/FileNameUtils>
+#include <osgDB/ReadFile>
+#include <osgDB/Registry>
+
+namespace tessera {
+
+Result<ImportedGraph> importOsg(const std::filesystem::path& path) {
+  std::error_code ec;
+  if (!std::filesystem::exists(path, ec)) return inputError(path.string(), "no such file", "check the path");
+  if (!std::filesystem::is_regular_file(path, ec)) return inputError(path.string(), "is not a file");
+  if (std::filesystem::file_size(path, ec) == 0) return inputError(path.string(), "is empty");
+  const std::string extension = osgDB::getLowerCaseFileExtension(path.string());
+  if (!osgDB::Registry::instance()->getReaderWriterForExtension(extension)) {
+    return inputError(path.string(), "no reader for files of the kind \"." + extension + "\"",
+                      "convert it to .glb, .gltf or .osgb");
+  }
+  osg::ref_ptr<osgDB::Options> options = new osgDB::Options;
+  options->setDatabasePath(path.parent_path().string());
+  options->setObjectCacheHint(osgDB::Options::CACHE_NONE);
+  osgDB::ReaderWriter::ReadResult read = osgDB::Registry::instance()->readNode(path.string(), options, false);
+  osg::ref_ptr<osg::Node> node = read.getNode();
+  if (!node) {
+    const std::string why = read.message();
+    return inputError(path.string(), "cannot be read as ." + extension + (why.empty() ? "" : ": " + why),
+                      "is it complete and of that kind?");
+  }
+  ImportedGraph graph;
+  osg::ref_ptr<osg::MatrixTransform> turn = new osg::MatrixTransform;
+  // Exactly (x, y, z) -> (x, z, -y); osg::Matrix::rotate would leave cosines of 1e-17.
+  turn->setMatrix(osg::Matrixd(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1));
+  turn->setName("root");
+  turn->addChild(node);
+  graph.root = turn;
+  graph.warnings.emplace_back("OpenSceneGraph formats are z up: the scene is turned to y up");
+  return graph;
+}
+
+}  // namespace tessera

@@ -1,0 +1,127 @@
+#include <algorithm>
+
+#include "proto/codec.h"
+#include "proto/decode_check.h"
+
+namespace tessera::proto {
+
+namespace {
+
+// The least that an element takes in an honest payload: its place in the vector, its vtable offset and its
+// required structs. Offsets that share a table would let a small payload become a large message.
+constexpr std::size_t kMinAssetBytes = 4 + 4 + 32 + 4 + 4;
+constexpr std::size_t kMinLeafBytes = 4 + 4 + 32 + 32 + 128 + 24;
+
+constexpr std::uint32_t kMaxAssetTables = 1 + kMaxAssetsPerMessage;
+constexpr std::uint32_t kMaxLeafTables = 1 + 2 * kMaxLeavesPerMessage;
+
+constexpr double kAxisTolerance = 1e-6;
+
+bool areImageAxes(const Vec3& right, const Vec3& up) {
+  return std::abs(right.squaredNorm() - 1) <= kAxisTolerance &&
+         std::abs(up.squaredNorm() - 1) <= kAxisTolerance && std::abs(right.dot(up)) <= kAxisTolerance;
+}
+
+std::optional<LeafBillboard> billboardOf(DecodeCheck& check, const wire::Billboard* billboard) {
+  if (billboard == nullptr) return std::nullopt;
+  return LeafBillboard{
+      .mode = check.enumeration(billboard->mode(), BillboardMode::AxialRot, "billboard.mode"),
+      .axis = check.vec3(billboard->axis(), "billboard.axis"),
+      .normal = check.vec3(billboard->normal(), "billboard.normal"),
+      .position = check.vec3(billboard->position_m(), "billboard.position_m")};
+}
+
+LeafRecord leafOf(DecodeCheck& check, const wire::Leaf& leaf) {
+  check.require(leaf.radius_m() >= 0, ProtocolError::BadNumber, "radius_m");
+  return {.id = leaf.id(),
+          .drawable = sha256Of(leaf.drawable()),
+          .state = sha256Of(leaf.state()),
+          .localToWorld = check.mat4(leaf.local_to_world(), "local_to_world"),
+          .center = check.vec3(leaf.center_m(), "center_m"),
+          .radius = check.finite(leaf.radius_m(), "radius_m"),
+          .billboard = billboardOf(check, leaf.billboard())};
+}
+
+Picture pictureOf(DecodeCheck& check, const wire::Picture& picture) {
+  const Picture read = {.widthPx = check.imagePx(picture.width_px(), "width_px"),
+                        .heightPx = check.imagePx(picture.height_px(), "height_px"),
+                        .format = check.enumeration(picture.format(), PictureFormat::RawRgb8, "format"),
+                        .bytes = bytesOf(picture.bytes())};
+  check.require(read.format != PictureFormat::None, ProtocolError::BadEnum, "format");
+  if (check.ok()) {
+    const auto pixels = static_cast<std::size_t>(read.widthPx) * static_cast<std::size_t>(read.heightPx);
+    check.require(read.bytes.size() == 3 * pixels, ProtocolError::BadPicture, "bytes");
+  }
+  return read;
+}
+
+}  // namespace
+
+Result<Assets> decodeAssets(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Assets);
+  const auto* wireAssets = check.root<wire::Assets>(payload, kMaxAssetTables);
+  if (wireAssets == nullptr) return check.error();
+  const std::size_t count = wireAssets->assets()->size();
+  if (!check.require(count <= payload.size() / kMinAssetBytes, ProtocolError::BadCount, "assets")) {
+    return check.error();
+  }
+  Assets assets;
+  assets.assets.reserve(count);
+  std::size_t assetBytes = 0;
+  for (const wire::Asset* asset : *wireAssets->assets()) {
+    assets.assets.push_back({.id = sha256Of(asset->id()),
+                             .kind = check.enumeration(asset->kind(), AssetKind::Image, "kind"),
+                             .bytes = bytesOf(asset->bytes())});
+    assetBytes += asset->bytes()->size();
+  }
+  check.require(assetBytes <= payload.size(), ProtocolError::BadCount, "bytes");
+  return check.finish(std::move(assets));
+}
+
+Result<Leaves> decodeLeaves(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Leaves);
+  const auto* wireLeaves = check.root<wire::Leaves>(payload, kMaxLeafTables);
+  if (wireLeaves == nullptr) return check.error();
+  const std::size_t count = wireLeaves->leaves()->size();
+  const std::size_t limit = std::min(kMaxLeavesPerMessage, payload.size() / kMinLeafBytes);
+  if (!check.require(count <= limit, ProtocolError::BadCount, "leaves")) return check.error();
+  Leaves leaves;
+  leaves.leaves.reserve(count);
+  for (const wire::Leaf* leaf : *wireLeaves->leaves())
+    leaves.leaves.push_back(leafOf(check, *leaf));
+  return check.finish(std::move(leaves));
+}
+
+Result<Frame> decodeFrame(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Frame);
+  const auto* wireFrame = check.root<wire::Frame>(payload);
+  if (wireFrame == nullptr) return check.error();
+  const Frame frame = {.frame = check.frameNumber(wireFrame->frame()),
+                       .baseFrame = wireFrame->base_frame(),
+                       .eye = check.vec3(wireFrame->eye_m(), "eye_m"),
+                       .corners = check.corners(wireFrame->corners_m(), "corners_m"),
+                       .nearM = check.finite(wireFrame->near_m(), "near_m"),
+                       .farM = check.finite(wireFrame->far_m(), "far_m"),
+                       .right = check.vec3(wireFrame->right(), "right"),
+                       .up = check.vec3(wireFrame->up(), "up"),
+                       .toggles = bytesOf(wireFrame->toggles()),
+                       .listLeafCount = wireFrame->list_leaf_count(),
+                       .wantPicture = wireFrame->want_picture()};
+  check.require(frame.baseFrame < frame.frame, ProtocolError::BadNumber, "base_frame");
+  check.require(0 < frame.nearM && frame.nearM < frame.farM, ProtocolError::BadDepthRange);
+  check.require(areImageAxes(frame.right, frame.up), ProtocolError::BadAxes);
+  return check.finish(frame);
+}
+
+Result<Shown> decodeShown(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Shown);
+  const auto* wireShown = check.root<wire::Shown>(payload);
+  if (wireShown == nullptr) return check.error();
+  Shown shown = {.frame = check.frameNumber(wireShown->frame()),
+                 .shownNs = wireShown->shown_ns(),
+                 .picture = std::nullopt};
+  if (wireShown->picture() != nullptr) shown.picture = pictureOf(check, *wireShown->picture());
+  return check.finish(shown);
+}
+
+}  // namespace tessera::proto

@@ -1,0 +1,183 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/geometry/vec.h"
+
+namespace tessera::proto {
+
+// The messages as plain data. PROTOCOL.md says who sends which when. Spans refer to memory of somebody else:
+// of the sender while encoding, of the payload after decoding.
+
+// Limits on what a message may hold; a decoder refuses more.
+inline constexpr std::size_t kMaxNameBytes = 64;
+inline constexpr std::size_t kMaxTextBytes = 1024;
+inline constexpr std::int32_t kMaxImagePx = 16384;
+inline constexpr std::size_t kMaxAssetsPerMessage = 65536;
+inline constexpr std::size_t kMaxLeavesPerMessage = 65536;
+/// An asset up to this size fits into a message of its own.
+inline constexpr std::size_t kMaxAssetBytes = 255U << 20U;
+
+using Sha256 = std::array<std::uint8_t, 32>;
+
+enum class SurfaceKind : std::uint8_t { None = 0, Offscreen = 1, Window = 2, Egl = 3 };
+
+/// Tile to master, the first message.
+struct Hello {
+  std::string tileName = {};
+  std::string programVersion = {};
+  std::string clockId = {};  ///< names the clock of Shown::shownNs; equal names may be compared. May be empty
+  SurfaceKind surface = SurfaceKind::None;
+  std::uint32_t pid = 0;
+  std::uint32_t maxWidthPx = 0, maxHeightPx = 0;  ///< largest picture the surface can draw; 0: no limit known
+  friend bool operator==(const Hello&, const Hello&) = default;
+};
+
+enum class PictureFormat : std::uint8_t {
+  None = 0,
+  RawRgb8 = 1,  ///< 3 bytes a pixel, rows without padding, top row first
+};
+
+/// Master to tile: the tile is accepted, and this is what it draws.
+struct Welcome {
+  std::uint64_t session = 0;
+  std::string wallName = {};  ///< may be empty
+  std::string tileName = {};
+  std::int32_t widthPx = 0, heightPx = 0;
+  std::int32_t xPx = 0, yPx = 0;  ///< place in the wall's picture, origin at its upper left
+  std::uint32_t idleTimeoutMs = 0;
+  std::uint32_t leafCount = 0;                     ///< of the scene: every leaf id is below it
+  PictureFormat picture = PictureFormat::None;     ///< how to send the pictures that a frame wants
+  std::array<float, 3> backgroundRgb = {0, 0, 0};  ///< each in [0, 1]
+  friend bool operator==(const Welcome&, const Welcome&) = default;
+};
+
+enum class AssetKind : std::uint8_t { Drawable = 0, State = 1, Image = 2 };
+
+struct Asset {
+  Sha256 id = {};  ///< SHA-256 of `bytes`; the decoder does not check it, the receiver must
+  AssetKind kind = AssetKind::Drawable;
+  std::span<const std::byte> bytes = {};
+};
+
+/// Master to tile: assets that the tile lacks.
+struct Assets {
+  std::vector<Asset> assets = {};
+};
+
+enum class BillboardMode : std::uint8_t { PointRotEye = 0, PointRotWorld = 1, AxialRot = 2 };
+
+/// How a leaf turns to the eye, as osg::Billboard does.
+struct LeafBillboard {
+  BillboardMode mode = BillboardMode::PointRotEye;
+  Vec3 axis = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();
+  Vec3 position = Vec3::Zero();
+  friend bool operator==(const LeafBillboard&, const LeafBillboard&) = default;
+};
+
+/// What a tile must know of a leaf to draw it.
+struct LeafRecord {
+  std::uint32_t id = 0;  ///< the receiver checks it against Welcome::leafCount
+  Sha256 drawable = {};
+  Sha256 state = {};
+  Mat4 localToWorld = Mat4::Identity();
+  Vec3 center = Vec3::Zero();  ///< of a sphere around the leaf in world space, for sorting
+  double radius = 0;           ///< >= 0
+  std::optional<LeafBillboard> billboard = {};
+  friend bool operator==(const LeafRecord&, const LeafRecord&) = default;
+};
+
+/// Master to tile: records that the tile lacks.
+struct Leaves {
+  std::vector<LeafRecord> leaves = {};
+  friend bool operator==(const Leaves&, const Leaves&) = default;
+};
+
+/// Master to tile: draw this and keep it back until Swap.
+struct Frame {
+  std::uint64_t frame = 0;      ///< from 1, ascending
+  std::uint64_t baseFrame = 0;  ///< the frame, acknowledged by Ready, whose list `toggles` starts from;
+                                ///< 0: the empty list. Below `frame`
+  Vec3 eye = Vec3::Zero();
+  std::array<Vec3, 4> corners = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< as in Frustum
+  double nearM = 1, farM = 2;                                                              ///< 0 < near < far
+  Vec3 right = Vec3::UnitX(), up = Vec3::UnitY();  ///< axes of the image, of unit length, at right angles
+  std::span<const std::byte> toggles = {};         ///< a list delta, see list_codec.h
+  std::uint32_t listLeafCount = 0;                 ///< leaves in the resulting list, as a check
+  bool wantPicture = false;                        ///< Shown shall carry the picture
+};
+
+/// Tile to master: drawn, waiting for Swap. Acknowledges the frame's list.
+struct Ready {
+  std::uint64_t frame = 0;
+  std::uint32_t drawUs = 0;
+  std::uint32_t leafCount = 0;  ///< leaves drawn
+  friend bool operator==(const Ready&, const Ready&) = default;
+};
+
+/// Master to tile: present it now.
+struct Swap {
+  std::uint64_t frame = 0;
+  friend bool operator==(const Swap&, const Swap&) = default;
+};
+
+struct Picture {
+  std::int32_t widthPx = 0, heightPx = 0;
+  PictureFormat format = PictureFormat::RawRgb8;  ///< never None
+  std::span<const std::byte> bytes = {};
+};
+
+/// Tile to master: presented.
+struct Shown {
+  std::uint64_t frame = 0;
+  std::int64_t shownNs = 0;  ///< monotonic time of Hello::clockId
+  std::optional<Picture> picture = {};
+};
+
+/// Master to tile: are you there?
+struct Ping {
+  std::uint64_t nonce = 0;
+  friend bool operator==(const Ping&, const Ping&) = default;
+};
+
+/// Tile to master: yes, with the nonce of the Ping.
+struct Pong {
+  std::uint64_t nonce = 0;
+  friend bool operator==(const Pong&, const Pong&) = default;
+};
+
+/// Either way: the end, in order. The numbers are the tile's; the master sends zeros.
+struct Bye {
+  std::string reason = {};
+  std::uint64_t peakResidentBytes = 0;
+  std::uint64_t framesShown = 0;
+  friend bool operator==(const Bye&, const Bye&) = default;
+};
+
+enum class ErrorCode : std::uint16_t {
+  Internal = 0,
+  UnknownTile = 1,
+  TileTaken = 2,
+  VersionMismatch = 3,
+  ProtocolViolation = 4,
+  AssetDamaged = 5,
+  TooLarge = 6,
+  Timeout = 7,
+  ShuttingDown = 8,
+};
+
+/// Either way: why the sender closes the connection.
+struct ErrorMessage {
+  ErrorCode code = ErrorCode::Internal;
+  std::string text = {};
+  friend bool operator==(const ErrorMessage&, const ErrorMessage&) = default;
+};
+
+}  // namespace tessera::proto

@@ -1,0 +1,117 @@
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/base/file.h"
+#include "common/hierarchy/frustum_hierarchy.h"
+#include "server/commands/commands.h"
+#include "server/commands/inputs.h"
+#include "server/commands/visible_lists_file.h"
+#include "server/master/run_report.h"
+
+namespace tessera {
+
+namespace {
+
+struct CullCommandFlags {
+  InputFiles files;
+  CullFlags cull;
+  std::uint64_t frames = 120;
+  std::string lists, json;
+  bool untiled = false;
+};
+
+struct Measured {
+  Samples frustaUs, cullUs, tests, pairs;
+};
+
+nlohmann::ordered_json spread(const Samples& samples) {
+  return {{"p50", samples.percentile(50)}, {"p99", samples.percentile(99)}, {"max", samples.max()}};
+}
+
+std::string reportOf(const CullCommandFlags& flags, const Scene& scene, const Wall& wall, const Measured& measured) {
+  const nlohmann::ordered_json report = {{"format", "tessera-cull"},
+                                         {"version", 1},
+                                         {"scene", scene.source},
+                                         {"wall", wall.source},
+                                         {"tiles", wall.tiles.size()},
+                                         {"leaves", scene.leaves.size()},
+                                         {"nodes", scene.hierarchy.nodeCount()},
+                                         {"algorithm", flags.cull.algorithm},
+                                         {"bounds", flags.cull.bounds},
+                                         {"frames", flags.frames},
+                                         {"frusta_us", spread(measured.frustaUs)},
+                                         {"cull_us", spread(measured.cullUs)},
+                                         {"tests_per_frame", spread(measured.tests)},
+                                         {"pairs_per_frame", spread(measured.pairs)}};
+  return report.dump(1) + "\n";
+}
+
+double usSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
+
+Status cullScene(const CullCommandFlags& flags) {
+  const auto options = flags.cull.options();
+  if (!options) return options.error();
+  auto wall = flags.files.readWall();
+  if (!wall) return wall.error();
+  if (flags.untiled) *wall = wall->untiled();
+  const auto camera = flags.files.readCamera();
+  if (!camera) return camera.error();
+  const auto scene = flags.files.readScene();
+  if (!scene) return scene.error();
+
+  std::optional<VisibleListsFile> lists;
+  if (!flags.lists.empty()) {
+    lists.emplace();
+    if (Status status = lists->open(flags.lists, *scene, *wall); !status) return status;
+  }
+  FrustumHierarchy frusta(static_cast<std::uint16_t>(wall->columns), static_cast<std::uint16_t>(wall->rows));
+  cull::Culler culler(scene->hierarchy, *options);
+  Measured measured;
+  const Sphere& sphere = scene->sphere();
+  std::uint64_t frame = 0;
+  for (const double time : camera->sampleTimes(flags.frames)) {
+    const WallView view = viewOf(*wall, camera->poseAt(time, sphere.center, sphere.radius), sphere.center, sphere.radius);
+    auto start = std::chrono::steady_clock::now();
+    frusta.update(view.wall, view.tiles);
+    measured.frustaUs.add(usSince(start));
+    start = std::chrono::steady_clock::now();
+    const cull::Result& result = culler.cull(frusta);
+    measured.cullUs.add(usSince(start));
+    measured.tests.add(static_cast<double>(result.planeTests));
+    measured.pairs.add(static_cast<double>(result.pairs));
+    if (lists) lists->add(frame++, view, result);
+  }
+  if (lists) {
+    if (Status status = lists->finish(); !status) return status;
+  }
+  std::printf("%llu frames, %s with %s: %.1f us a frame (median), %.0f plane tests, %.0f leaf-tile pairs\n",
+              static_cast<unsigned long long>(flags.frames), flags.cull.algorithm.c_str(), flags.cull.bounds.c_str(),
+              measured.cullUs.percentile(50), measured.tests.percentile(50), measured.pairs.percentile(50));
+  if (flags.json.empty()) return Done{};
+  return writeFileAtomically(flags.json, reportOf(flags, *scene, *wall, measured));
+}
+
+}  // namespace
+
+void addCullCommand(CLI::App& tessera, std::vector<Command>& commands) {
+  CLI::App* app = tessera.add_subcommand("cull", "Culling without network or drawing: visible lists, counts, times");
+  auto flags = std::make_shared<CullCommandFlags>();
+  flags->files.addWall(*app);
+  flags->files.addScene(*app);
+  flags->files.addCamera(*app);
+  flags->cull.add(*app);
+  app->add_option("--frames", flags->frames, "Frames, evenly along the camera path")
+      ->capture_default_str()
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000}));
+  app->add_option("--lists", flags->lists, "Write every tile's frustum and visible list of every frame, as JSON Lines");
+  app->add_option("--json", flags->json, "Write the counts and times to this file");
+  app->add_flag("--untiled", flags->untiled, "The whole wall as one tile");
+  commands.push_back({app, [flags] { return cullScene(*flags); }});
+}
+
+}  // namespace tessera

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/cull/culler.h"
+#include "common/scene/scene.h"
+#include "common/wall/camera_path.h"
+#include "common/wall/wall.h"
+
+namespace tessera {
+
+/// The files that most commands take.
+struct InputFiles {
+  std::string wall, scene, camera;
+
+  void addWall(CLI::App& app);
+  void addScene(CLI::App& app);
+  void addCamera(CLI::App& app);
+
+  /// Reads and logs the warnings.
+  [[nodiscard]] Result<Wall> readWall() const;
+  [[nodiscard]] Result<Scene> readScene() const;
+  /// The shipped orbit where no file is named.
+  [[nodiscard]] Result<CameraPath> readCamera() const;
+};
+
+/// --algorithm and --bounds.
+struct CullFlags {
+  std::string algorithm = "adaptive", bounds = "obb";
+  void add(CLI::App& app);
+  [[nodiscard]] Result<cull::Options> options() const;
+};
+
+}  // namespace tessera

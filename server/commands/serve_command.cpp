@@ -1,0 +1,82 @@
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "common/base/file.h"
+#include "server/commands/commands.h"
+#include "server/commands/inputs.h"
+#include "server/commands/stop_signals.h"
+#include "server/master/master.h"
+
+namespace tessera {
+
+namespace {
+
+struct ServeFlags {
+  InputFiles files;
+  CullFlags cull;
+  std::string listen = "0.0.0.0:7400", json;
+  std::uint64_t frames = 0;
+  double framesPerSecond = 60, frameDeadlineS = 1, tilesDeadlineS = 60;
+};
+
+Status serve(const ServeFlags& flags) {
+  const auto cullOptions = flags.cull.options();
+  if (!cullOptions) return cullOptions.error();
+  const auto wall = flags.files.readWall();
+  if (!wall) return wall.error();
+  const auto camera = flags.files.readCamera();
+  if (!camera) return camera.error();
+  const auto address = net::parseHostPort(flags.listen);
+  if (!address) return address.error();
+  const auto scene = flags.files.readScene();
+  if (!scene) return scene.error();
+
+  MasterOptions options;
+  options.cull = *cullOptions;
+  options.frames = flags.frames;
+  options.framesPerSecond = flags.framesPerSecond;
+  options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));
+  options.tilesDeadline = std::chrono::milliseconds(static_cast<int>(flags.tilesDeadlineS * 1000));
+  Master master(*scene, *wall, *camera, options);
+  const StopSignals signals(master.io(), [&master] { master.stop(); });
+  const auto port = master.listen(*address);
+  if (!port) return port.error();
+  // Scripts that asked for port 0 read the number from here.
+  std::printf("listening on %s:%u for %zu tiles\n", address->host.c_str(), unsigned{*port}, wall->tiles.size());
+  std::fflush(stdout);
+  const auto report = master.run({.whileWaitingForTiles = [] { return Status(Done{}); }, .eachFrame = {}, .progress = {}}, true);
+  if (!report) return report.error();
+  if (!flags.json.empty()) return writeFileAtomically(flags.json, report->json());
+  return Done{};
+}
+
+}  // namespace
+
+void addServeCommand(CLI::App& tessera, std::vector<Command>& commands) {
+  CLI::App* app = tessera.add_subcommand("serve", "The master alone; tiles connect from elsewhere (tessera-tile)");
+  auto flags = std::make_shared<ServeFlags>();
+  flags->files.addWall(*app);
+  flags->files.addScene(*app);
+  flags->files.addCamera(*app);
+  flags->cull.add(*app);
+  app->add_option("--listen", flags->listen, "Address to listen on, HOST:PORT; anyone who reaches it may be a tile")
+      ->capture_default_str()
+      ->envname("TESSERA_LISTEN");
+  app->add_option("--frames", flags->frames, "End after so many frames; 0: fly the path over and over until stopped")
+      ->capture_default_str();
+  app->add_option("--fps", flags->framesPerSecond, "At most so many frames a second; 0: as fast as the tiles are")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
+  app->add_option("--frame-deadline", flags->frameDeadlineS, "Seconds after which a tile that has not drawn is left behind")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 3600.0));
+  app->add_option("--tiles-deadline", flags->tilesDeadlineS, "Seconds to wait for all tiles before starting without some")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 86400.0));
+  app->add_option("--json", flags->json, "Write the report to this file at the end");
+  commands.push_back({app, [flags] { return serve(*flags); }});
+}
+
+}  // namespace tessera

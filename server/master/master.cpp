@@ -1,0 +1,236 @@
+#include "server/master/master.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "common/hierarchy/frustum_hierarchy.h"
+#include "proto/codec.h"
+
+namespace tessera {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kMaxHandshakes = 256;
+constexpr std::chrono::milliseconds kGoodbyeDeadline{1000};
+
+double msSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, const MasterOptions& options)
+    : scene_(scene),
+      wall_(wall),
+      path_(path),
+      options_(options),
+      times_(path.sampleTimes(options.frames > 0 ? options.frames : options.loopFrames)),
+      work_(net::asio::make_work_guard(io_)),
+      roster_(wall),
+      pictures_(options.pictureFolder
+                    ? std::make_unique<PictureWriter>(wall, *options.pictureFolder, options.pictureEvery)
+                    : nullptr),
+      context_{.wall = wall,
+               .leafCount = static_cast<std::uint32_t>(scene.leaves.size()),
+               .roster = roster_,
+               .pictures = pictures_.get(),
+               .deadlines = {},
+               .handshakes = 0} {
+  mirrors_.reserve(wall.tiles.size());
+  for (std::size_t i = 0; i < wall.tiles.size(); ++i) mirrors_.emplace_back(scene);
+}
+
+Master::~Master() { stopNetwork(); }
+
+void Master::stopNetwork() {
+  io_.stop();
+  if (network_.joinable()) network_.join();
+}
+
+void Master::stop() { roster_.stop(); }
+
+Result<std::uint16_t> Master::listen(const net::HostPort& at) {
+  auto acceptor = net::listen(io_, at);
+  if (!acceptor) return acceptor.error();
+  const std::uint16_t port = acceptor->local_endpoint().port();
+  net::asio::co_spawn(io_, acceptTiles(std::move(*acceptor)), net::asio::detached);
+  network_ = std::thread([this] { io_.run(); });
+  return port;
+}
+
+net::awaitable<void> Master::acceptTiles(net::tcp::acceptor acceptor) {
+  for (;;) {
+    net::error_code ec;
+    net::tcp::socket socket = co_await acceptor.async_accept(net::asio::redirect_error(net::asio::use_awaitable, ec));
+    if (ec) {
+      // Out of descriptors, say: existing tiles go on, and the next try may succeed.
+      spdlog::warn("a connection could not be accepted: {}", ec.message());
+      net::asio::steady_timer pause(io_, std::chrono::milliseconds(100));
+      co_await pause.async_wait(net::asio::redirect_error(net::asio::use_awaitable, ec));
+      continue;
+    }
+    if (context_.handshakes >= kMaxHandshakes) continue;  // the socket closes: a flood must not starve the tiles
+    net::asio::co_spawn(io_, serveTile(std::make_shared<net::Connection>(std::move(socket)), context_),
+                        [](const std::exception_ptr& e) {
+                          if (e) spdlog::error("a tile's session ended by an exception");
+                        });
+  }
+}
+
+CameraPose Master::poseOf(std::uint64_t frame) const {
+  const Sphere& sphere = scene_.sphere();
+  return path_.poseAt(times_[(frame - 1) % times_.size()], sphere.center, sphere.radius);
+}
+
+Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
+  const auto bound = roster_.waitAllBound(Clock::now() + options_.tilesDeadline, hooks.whileWaitingForTiles);
+  if (!bound) return bound.error();
+  if (!*bound && !roster_.stopping()) {
+    std::string names;
+    for (const std::string& name : roster_.unboundNames()) names += (names.empty() ? "" : ", ") + name;
+    const std::string what = "these tiles have not connected within the deadline: " + names;
+    if (!mayStartWithout) return runtimeError("", what, "see their own messages above");
+    spdlog::warn("{}; starting without them", what);
+  }
+
+  report_.tiles.resize(wall_.tiles.size());
+  FrustumHierarchy frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows));
+  cull::Culler culler(scene_.hierarchy, options_.cull);
+  const Sphere& sphere = scene_.sphere();
+  firstFrame_ = lastPaced_ = Clock::now();
+  std::uint64_t frame = 0;
+  for (std::uint64_t next = 1; (options_.frames == 0 || next <= options_.frames) && !roster_.stopping(); ++next) {
+    pace(next);
+    auto start = Clock::now();
+    const WallView view = viewOf(wall_, poseOf(next), sphere.center, sphere.radius);
+    frusta.update(view.wall, view.tiles);
+    report_.updateMs.add(msSince(start));
+    start = Clock::now();
+    const cull::Result& lists = culler.cull(frusta);
+    report_.cullMs.add(msSince(start));
+    if (frame > 0) endFrame(frame);
+    frame = next;
+    sendFrame(frame, view, lists);
+    if (hooks.eachFrame) hooks.eachFrame();
+    if (hooks.progress) hooks.progress(frame, options_.frames);
+  }
+  if (frame > 0) endFrame(frame);
+  report_.frames = frame;
+  report_.seconds = msSince(firstFrame_) / 1000 - report_.firstFrameMs / 1000;
+  if (frame > 0) roster_.waitShown(frame, Clock::now() + kGoodbyeDeadline);
+  sayGoodbye();
+  stopNetwork();
+  if (pictures_) {
+    if (Status status = pictures_->finish(); !status) return status.error();
+  }
+  fillReport();
+  return std::move(report_);
+}
+
+void Master::pace(std::uint64_t frame) {
+  if (options_.framesPerSecond <= 0 || frame == 1) return;
+  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / options_.framesPerSecond));
+  // A wall that fell behind does not hurry to catch up.
+  lastPaced_ = std::max(lastPaced_ + period, Clock::now() - period);
+  std::this_thread::sleep_until(lastPaced_);
+}
+
+void Master::sendFrame(std::uint64_t frame, const WallView& view, const cull::Result& lists) {
+  double encodeMs = 0;
+  std::uint64_t listBytes = 0, geometryBytes = 0;
+  const auto start = Clock::now();
+  for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
+    const TileRoster::Peer peer = roster_.peer(tile);
+    if (!peer.connection || !peer.idle()) {
+      roster_.frameMissed(tile);
+      continue;
+    }
+    TileMirror& mirror = mirrors_[tile];
+    mirror.follow(peer.session);
+    mirror.acknowledge(peer.acknowledged);
+    roster_.frameSent(tile, peer.session, frame);
+    const auto encodeStart = Clock::now();
+    const TileMirror::Sent sent =
+        mirror.send(*peer.connection, {.frame = frame,
+                                       .view = &view,
+                                       .frustum = &view.tiles[tile],
+                                       .list = &lists.lists[tile],
+                                       .wantPicture = pictures_ && pictures_->wants(frame)});
+    encodeMs += msSince(encodeStart);
+    listBytes += sent.listBytes;
+    geometryBytes += sent.assetBytes;
+    RunReport::TileEntry& entry = report_.tiles[tile];
+    entry.visibleLeaves.add(static_cast<double>(leafCount(lists.lists[tile])));
+    entry.cacheHits += sent.hits;
+    entry.cacheMisses += sent.leaves;
+  }
+  report_.encodeMs.add(encodeMs);
+  report_.sendMs.add(msSince(start) - encodeMs);
+  report_.listBytesPerFrame.add(static_cast<double>(listBytes));
+  report_.geometryBytesPerFrame.add(static_cast<double>(geometryBytes));
+  report_.visibleLeavesPerFrame.add(static_cast<double>(lists.pairs));
+}
+
+void Master::endFrame(std::uint64_t frame) {
+  const auto start = Clock::now();
+  for (const std::uint32_t tile : roster_.waitReady(frame, start + options_.frameDeadline)) {
+    if (roster_.stopping()) break;
+    spdlog::warn("tile {} has not drawn frame {} within {} ms and is left behind until it has", roster_.nameOf(tile),
+                 frame, options_.frameDeadline.count());
+    roster_.frameMissed(tile);
+  }
+  report_.tileWaitMs.add(msSince(start));
+  if (frame == 1) report_.firstFrameMs = msSince(firstFrame_);
+  const auto swapStart = Clock::now();
+  broadcastSwap(frame);
+  report_.swapMs.add(msSince(swapStart));
+  // All that acknowledged this frame had shown the one before.
+  if (pictures_ && frame > 1) pictures_->complete(frame - 1);
+}
+
+void Master::broadcastSwap(std::uint64_t frame) {
+  const auto bytes = std::make_shared<const proto::Bytes>(proto::encode(proto::Swap{frame}));
+  for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
+    const TileRoster::Peer peer = roster_.peer(tile);
+    if (peer.connection && peer.sent == frame) peer.connection->send([bytes] { return bytes; });
+  }
+}
+
+void Master::sayGoodbye() {
+  const auto bytes = std::make_shared<const proto::Bytes>(
+      proto::encode(proto::Bye{.reason = "the run is over", .peakResidentBytes = 0, .framesShown = 0}));
+  for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
+    if (const auto peer = roster_.peer(tile).connection) peer->send([bytes] { return bytes; });
+  }
+  roster_.waitEmpty(Clock::now() + kGoodbyeDeadline);
+}
+
+void Master::fillReport() {
+  report_.scene = scene_.source;
+  report_.wall = wall_.source;
+  report_.algorithm = cull::nameOf(options_.cull.algorithm);
+  report_.bounds = cull::nameOf(options_.cull.bounds);
+  report_.leaves = scene_.leaves.size();
+  report_.triangles = scene_.triangleCount();
+  report_.assets = scene_.assets.size();
+  report_.assetBytes = scene_.assets.bytes();
+  std::vector<std::vector<ShownTime>> shown;
+  for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
+    RunReport::TileEntry& entry = report_.tiles[tile];
+    entry.name = roster_.nameOf(tile);
+    entry.counts = roster_.counts(tile);
+    entry.listBytes = mirrors_[tile].traffic().listBytes;
+    entry.geometryBytes = mirrors_[tile].traffic().geometryBytes;
+    shown.push_back(roster_.shownTimes(tile));
+  }
+  addSwapSkew(report_, shown);
+  if (pictures_) {
+    report_.pictures = pictures_->written();
+    report_.incompletePictures = pictures_->incomplete();
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "common/base/result.h"
+#include "common/cull/culler.h"
+#include "common/net/connection.h"
+#include "common/scene/scene.h"
+#include "common/wall/camera_path.h"
+#include "common/wall/wall.h"
+#include "server/master/picture_writer.h"
+#include "server/master/run_report.h"
+#include "server/master/tile_mirror.h"
+#include "server/master/tile_roster.h"
+#include "server/master/tile_session.h"
+
+namespace tessera {
+
+struct MasterOptions {
+  cull::Options cull;
+  std::uint64_t frames = 0;       ///< along the camera path; 0: over and over until stopped
+  std::uint64_t loopFrames = 600; ///< frames of one pass of the path when it runs over and over
+  double framesPerSecond = 0;     ///< 0: as fast as the tiles are
+  std::chrono::milliseconds tilesDeadline{30'000};   ///< for all tiles to connect
+  std::chrono::milliseconds frameDeadline{10'000};   ///< for a frame's Ready; a tile that misses it is left behind
+  std::optional<std::filesystem::path> pictureFolder;  ///< stitched pictures go there
+  std::uint64_t pictureEvery = 1;                    ///< of the frames, every so-manieth
+};
+
+/// The master of one wall: listens for tiles and runs the frame loop.
+///
+///   update -> cull(k) -> wait for Ready(k-1) of all tiles -> Swap(k-1) -> encode and send frame k
+///
+/// so that culling overlaps the tiles' drawing. One thread runs the loop (the caller of run), one the network;
+/// pictures are written by a third. A tile that is late or gone is not waited for again until it is back.
+class Master {
+ public:
+  /// `scene`, `wall` and `path` outlive the master.
+  Master(const Scene& scene, const Wall& wall, const CameraPath& path, const MasterOptions& options);
+  ~Master();
+  Master(const Master&) = delete;
+  Master& operator=(const Master&) = delete;
+
+  /// Opens the port and starts the network thread. Returns the port (of use where 0 was asked for).
+  [[nodiscard]] Result<std::uint16_t> listen(const net::HostPort& at);
+
+  struct Hooks {
+    std::function<Status()> whileWaitingForTiles;     ///< called often; an error ends the run
+    std::function<void()> eachFrame;                  ///< called once a frame
+    std::function<void(std::uint64_t done, std::uint64_t all)> progress;
+  };
+  /// Runs until the frames are done or stop() was called. `mayStartWithout`: where tiles are missing at the
+  /// deadline, start all the same (they may join later); else that is an error that names them.
+  [[nodiscard]] Result<RunReport> run(const Hooks& hooks, bool mayStartWithout);
+
+  /// From any thread, also before run: ends it in order.
+  void stop();
+
+  [[nodiscard]] net::asio::io_context& io() { return io_; }
+
+ private:
+  [[nodiscard]] CameraPose poseOf(std::uint64_t frame) const;
+  net::awaitable<void> acceptTiles(net::tcp::acceptor acceptor);
+  void sendFrame(std::uint64_t frame, const WallView& view, const cull::Result& lists);
+  void endFrame(std::uint64_t frame);
+  void pace(std::uint64_t frame);
+  void broadcastSwap(std::uint64_t frame);
+  void sayGoodbye();
+  void stopNetwork();
+  void fillReport();
+
+  const Scene& scene_;
+  const Wall& wall_;
+  const CameraPath& path_;
+  const MasterOptions options_;
+  std::vector<double> times_;
+  net::asio::io_context io_{1};
+  net::asio::executor_work_guard<net::asio::io_context::executor_type> work_;
+  TileRoster roster_;
+  std::unique_ptr<PictureWriter> pictures_;
+  SessionContext context_;
+  std::vector<TileMirror> mirrors_;
+  RunReport report_;
+  std::chrono::steady_clock::time_point firstFrame_, lastPaced_;
+  std::thread network_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,94 @@
+#include "server/master/run_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace tessera {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json spread(const Samples& samples) {
+  return {{"p50", samples.percentile(50)}, {"p99", samples.percentile(99)}, {"max", samples.max()}};
+}
+
+Json tileJson(const RunReport::TileEntry& tile) {
+  Samples drawMs;
+  for (const std::uint32_t us : tile.counts.drawUs) drawMs.add(us / 1000.0);
+  return {{"frames_shown", tile.counts.framesShown},
+          {"frames_missed", tile.counts.framesMissed},
+          {"visible_leaves", spread(tile.visibleLeaves)},
+          {"draw_ms", spread(drawMs)},
+          {"received_bytes", tile.listBytes + tile.geometryBytes},
+          {"received_list_bytes", tile.listBytes},
+          {"received_geometry_bytes", tile.geometryBytes},
+          {"cache_hits", tile.cacheHits},
+          {"cache_misses", tile.cacheMisses},
+          {"cache_evictions", 0},
+          {"reconnects", tile.counts.reconnects},
+          {"peak_resident_bytes", tile.counts.peakResidentBytes}};
+}
+
+}  // namespace
+
+double Samples::percentile(double p) const {
+  if (values.empty()) return 0;
+  std::vector<double> sorted = values;
+  const auto rank = static_cast<std::size_t>(std::ceil(p / 100 * static_cast<double>(sorted.size())));
+  const std::size_t index = rank == 0 ? 0 : rank - 1;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(index), sorted.end());
+  return sorted[index];
+}
+
+std::string RunReport::json() const {
+  Json tilesJson = Json::object();
+  for (const TileEntry& tile : tiles) tilesJson[tile.name] = tileJson(tile);
+  const Json report = {
+      {"format", "tessera-report"},
+      {"version", 1},
+      {"scene", {{"file", scene}, {"leaves", leaves}, {"triangles", triangles}, {"assets", assets}, {"asset_bytes", assetBytes}}},
+      {"wall", wall},
+      {"mode", {{"algorithm", algorithm}, {"bounds", bounds}, {"measured_error_leaves", 0}, {"measured_error_px", 0}}},
+      {"frames", frames},
+      {"seconds", seconds},
+      {"frames_per_second", seconds > 0 && frames > 1 ? static_cast<double>(frames - 1) / seconds : 0.0},
+      {"first_frame_ms", firstFrameMs},
+      {"stages_ms",
+       {{"update", spread(updateMs)},
+        {"cull", spread(cullMs)},
+        {"encode", spread(encodeMs)},
+        {"send", spread(sendMs)},
+        {"tile_wait", spread(tileWaitMs)},
+        {"swap", spread(swapMs)}}},
+      {"visible_pairs_per_frame", spread(visibleLeavesPerFrame)},
+      {"sent_bytes_per_frame", {{"lists", spread(listBytesPerFrame)}, {"geometry", spread(geometryBytesPerFrame)}}},
+      {"swap_skew_us", swapSkewUs.values.empty() ? Json(nullptr) : spread(swapSkewUs)},
+      {"pictures", {{"written", pictures}, {"incomplete", incompletePictures}}},
+      {"tiles", tilesJson}};
+  return report.dump(1) + "\n";
+}
+
+void addSwapSkew(RunReport& report, const std::vector<std::vector<ShownTime>>& shownByTile) {
+  struct Span {
+    std::int64_t first, last;
+    int tiles;
+  };
+  std::map<std::uint64_t, Span> frames;
+  for (const auto& times : shownByTile) {
+    for (const ShownTime& shown : times) {
+      auto [entry, isNew] = frames.try_emplace(shown.frame, Span{shown.ns, shown.ns, 0});
+      Span& span = entry->second;
+      span.first = std::min(span.first, shown.ns);
+      span.last = std::max(span.last, shown.ns);
+      ++span.tiles;
+    }
+  }
+  for (const auto& [frame, span] : frames) {
+    if (span.tiles > 1) report.swapSkewUs.add(static_cast<double>(span.last - span.first) / 1000.0);
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <unordered_set>
+#include <vector>
+
+#include "common/net/connection.h"
+#include "common/scene/scene.h"
+#include "common/wall/wall.h"
+
+namespace tessera {
+
+/// Bytes sent to one tile, counted where the messages are made.
+struct TileTraffic {
+  std::atomic<std::uint64_t> listBytes{0}, geometryBytes{0};
+};
+
+/// What one tile has: which assets and leaf records it was sent, and the list that it acknowledged last. The
+/// connection keeps the order of messages, so whatever was queued before a frame is there when the frame is.
+/// Used by the frame loop alone. `scene` outlives it and every message still queued.
+class TileMirror {
+ public:
+  explicit TileMirror(const Scene& scene) : scene_(&scene), knownLeaves_(scene.leaves.size(), false) {}
+
+  /// Forgets everything when another process has taken the tile.
+  void follow(std::uint64_t session);
+  /// The tile said Ready to `frame`.
+  void acknowledge(std::uint64_t frame);
+
+  struct FrameOrder {
+    std::uint64_t frame = 0;
+    const WallView* view = nullptr;
+    const Frustum* frustum = nullptr;  ///< of this tile, near and far given
+    const VisibleList* list = nullptr;
+    bool wantPicture = false;
+  };
+  struct Sent {
+    std::uint64_t listBytes = 0;   ///< the frame message
+    std::uint64_t assetBytes = 0;  ///< assets ordered for it
+    std::uint32_t assets = 0, leaves = 0;
+    std::uint32_t hits = 0;        ///< leaves that came into view and were known already
+  };
+  /// Queues what the tile lacks for the frame, then the frame.
+  Sent send(net::Connection& connection, const FrameOrder& order);
+
+  [[nodiscard]] const TileTraffic& traffic() const { return *traffic_; }
+
+ private:
+  void needAsset(const AssetId& id, Sent& sent);
+  void sendGeometry(net::Connection& connection, const VisibleList& entering, Sent& sent);
+
+  const Scene* scene_;
+  std::shared_ptr<TileTraffic> traffic_ = std::make_shared<TileTraffic>();
+  std::uint64_t session_ = 0;
+  std::vector<bool> knownLeaves_;
+  std::unordered_set<AssetId, AssetIdHash> knownAssets_;
+  std::uint64_t baseFrame_ = 0, pendingFrame_ = 0;
+  VisibleList baseList_, pendingList_;
+  std::vector<std::byte> delta_;
+  std::vector<AssetId> missingAssets_;
+  std::vector<std::uint32_t> missingLeaves_;
+};
+
+}  // namespace tessera

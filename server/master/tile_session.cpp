@@ -1,0 +1,145 @@
+#include "server/master/tile_session.h"
+
+#include <spdlog/spdlog.h>
+
+#include "proto/codec.h"
+#include "proto/protocol_error.h"
+
+namespace tessera {
+
+namespace {
+
+using net::awaitable;
+using proto::ErrorCode;
+
+void refuse(net::Connection& peer, ErrorCode code, const std::string& text) {
+  spdlog::warn("{}: refused: {}", peer.peer(), text);
+  peer.send(proto::encode(proto::ErrorMessage{code, text}));
+  peer.closeAfterSending();
+}
+
+ErrorCode codeOf(const Error& error) {
+  return proto::protocolErrorOf(error) == proto::ProtocolError::WrongVersion ? ErrorCode::VersionMismatch
+                                                                             : ErrorCode::ProtocolViolation;
+}
+
+proto::Welcome welcomeFor(const SessionContext& context, const TileRoster::Binding& binding) {
+  const Tile& tile = context.wall.tiles[binding.tile];
+  proto::Welcome welcome;
+  welcome.session = binding.session;
+  welcome.wallName = context.wall.name.substr(0, proto::kMaxNameBytes);
+  welcome.tileName = tile.name;
+  welcome.widthPx = tile.widthPx;
+  welcome.heightPx = tile.heightPx;
+  welcome.xPx = tile.xPx;
+  welcome.yPx = tile.yPx;
+  welcome.idleTimeoutMs = static_cast<std::uint32_t>(context.deadlines.idle.count());
+  welcome.leafCount = context.leafCount;
+  welcome.picture = context.pictures ? proto::PictureFormat::RawRgb8 : proto::PictureFormat::None;
+  welcome.backgroundRgb = {0.60F, 0.68F, 0.76F};
+  return welcome;
+}
+
+/// Asks the tile for a sign of life, so that both sides notice a dead link.
+awaitable<void> keepAsking(std::weak_ptr<net::Connection> weak, net::Milliseconds every) {
+  net::asio::steady_timer timer(co_await net::asio::this_coro::executor);
+  for (std::uint64_t nonce = 1;; ++nonce) {
+    timer.expires_after(every);
+    net::error_code ec;
+    co_await timer.async_wait(net::asio::redirect_error(net::asio::use_awaitable, ec));
+    const auto peer = weak.lock();
+    if (ec || !peer) co_return;
+    peer->send(proto::encode(proto::Ping{nonce}));
+  }
+}
+
+/// One message of a bound tile. An error ends the session; Done{} with `left` set is an orderly end.
+Status handle(const net::Message& message, const TileRoster::Binding& binding, SessionContext& context, bool& left) {
+  auto decoded = proto::decode(message.type, message.payload);
+  if (!decoded) return decoded.error();
+  if (const auto* ready = std::get_if<proto::Ready>(&*decoded)) {
+    if (!context.roster.ready(binding, *ready)) return runtimeError("", "acknowledges a frame that it was not sent");
+  } else if (const auto* shown = std::get_if<proto::Shown>(&*decoded)) {
+    if (!context.roster.mayShow(binding, shown->frame)) return runtimeError("", "shows a frame that it did not acknowledge");
+    if (shown->picture) {
+      if (!context.pictures || !context.pictures->wants(shown->frame)) {
+        return runtimeError("", "sends a picture that nobody asked for");
+      }
+      if (!context.pictures->add(binding.tile, shown->frame, *shown->picture)) {
+        return runtimeError("", "sends a picture of the wrong size");
+      }
+    }
+    (void)context.roster.shown(binding, *shown);
+  } else if (const auto* bye = std::get_if<proto::Bye>(&*decoded)) {
+    context.roster.leaving(binding, *bye);
+    left = true;
+  } else if (const auto* error = std::get_if<proto::ErrorMessage>(&*decoded)) {
+    spdlog::error("tile {}: {}", context.roster.nameOf(binding.tile), error->text);
+    left = true;
+  }
+  return Done{};
+}
+
+awaitable<void> converse(std::shared_ptr<net::Connection> peer, TileRoster::Binding binding, SessionContext& context) {
+  const std::string name = context.roster.nameOf(binding.tile);
+  for (bool left = false; !left;) {
+    auto message = co_await peer->read(proto::Expect::FromTile, context.deadlines.idle);
+    Status status = message ? handle(*message, binding, context, left) : Status(message.error());
+    if (!status) {
+      const bool isViolation = !message.ok() ? proto::protocolErrorOf(message.error()).has_value() : true;
+      spdlog::warn("tile {}: {}", name, status.error().text());
+      if (isViolation) {
+        peer->send(proto::encode(proto::ErrorMessage{ErrorCode::ProtocolViolation, status.error().what}));
+        peer->closeAfterSending();
+      } else {
+        peer->close();
+      }
+      co_return;
+    }
+  }
+  peer->closeAfterSending();
+}
+
+}  // namespace
+
+awaitable<void> serveTile(std::shared_ptr<net::Connection> peer, SessionContext& context) {
+  peer->startWriter(context.deadlines.write);
+  ++context.handshakes;
+  auto message = co_await peer->read(proto::Expect::Hello, context.deadlines.hello);
+  --context.handshakes;
+  if (!message) {
+    refuse(*peer, codeOf(message.error()), message.error().what);
+    co_return;
+  }
+  const auto hello = proto::decodeHello(message->payload);
+  if (!hello) {
+    refuse(*peer, ErrorCode::ProtocolViolation, hello.error().what);
+    co_return;
+  }
+  const auto bound = context.roster.bind(*hello, peer, [&](const TileRoster::Binding& binding) {
+    peer->send(proto::encode(welcomeFor(context, binding)));
+  });
+  if (const auto* refusal = std::get_if<TileRoster::Refusal>(&bound)) {
+    switch (*refusal) {
+      case TileRoster::Refusal::UnknownTile:
+        refuse(*peer, ErrorCode::UnknownTile,
+               "the wall has no tile named \"" + hello->tileName + "\"; its tiles are named in its wall file");
+        break;
+      case TileRoster::Refusal::TileTaken:
+        refuse(*peer, ErrorCode::TileTaken,
+               "the tile \"" + hello->tileName + "\" is connected already; stop the other one or name another tile");
+        break;
+      case TileRoster::Refusal::ShuttingDown: refuse(*peer, ErrorCode::ShuttingDown, "the wall is shutting down"); break;
+    }
+    co_return;
+  }
+  const auto binding = std::get<TileRoster::Binding>(bound);
+  spdlog::debug("tile {} connected from {}", hello->tileName, peer->peer());
+  net::asio::co_spawn(co_await net::asio::this_coro::executor, keepAsking(peer, context.deadlines.idle / 3),
+                      net::asio::detached);
+  co_await converse(peer, binding, context);
+  context.roster.gone(binding);
+  spdlog::debug("tile {} left", hello->tileName);
+}
+
+}  // namespace tessera

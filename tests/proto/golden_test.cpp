@@ -1,0 +1,88 @@
+// The bytes of version 1. They never change: whoever must change them makes a new protocol version.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "proto/codec.h"
+#include "tests/proto/test_messages.h"
+
+namespace tessera::proto {
+namespace {
+
+using test::isSame;
+
+// A line of header, then the payload.
+constexpr const char* kHello =
+    "54535241010001006000000095730cd0c759ab56"
+    "5c0000001800000000001200200008000c0010000700140018001c001200000000000001300000002000000010000000"
+    "92100000001e0000e010000006000000686f73742d61000005000000302e312e30000000040000007230633100000000";
+
+constexpr const char* kFrame =
+    "545352410100050008010000a38dd2db2650fdd0"
+    "04010000240000000000000000001a00d800b800c00008002000c800d00080009800b000b40007001a00000000000001"
+    "000000000000f03f00000000000000400000000000000840000000000000f0bf000000000000e0bf0000000000000040"
+    "0000000000000000000000000000e0bf00000000000000400000000000000000000000000000e03f0000000000000040"
+    "000000000000f0bf000000000000e03f0000000000000040000000000000f03f00000000000000000000000000000000"
+    "0000000000000000000000000000f03f0000000000000000280000000200000007000000000000000600000000000000"
+    "000000000000d03f0000000000408f400300000001030100";
+
+const Hello kHelloMessage = {.tileName = "r0c1",
+                             .programVersion = "0.1.0",
+                             .clockId = "host-a",
+                             .surface = SurfaceKind::Offscreen,
+                             .pid = 4242,
+                             .maxWidthPx = 7680,
+                             .maxHeightPx = 4320};
+
+constexpr std::byte kToggles[] = {std::byte{1}, std::byte{3}, std::byte{1}};
+
+Frame frameMessage() {
+  return {.frame = 7,
+          .baseFrame = 6,
+          .eye = {1, 2, 3},
+          .corners = {Vec3(-1, -0.5, 2), Vec3(0, -0.5, 2), Vec3(0, 0.5, 2), Vec3(-1, 0.5, 2)},
+          .nearM = 0.25,
+          .farM = 1000,
+          .right = {1, 0, 0},
+          .up = {0, 1, 0},
+          .toggles = kToggles,
+          .listLeafCount = 2,
+          .wantPicture = true};
+}
+
+std::string hexOf(std::span<const std::byte> bytes) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string hex;
+  for (const std::byte byte : bytes) {
+    hex += kDigits[std::to_integer<unsigned>(byte >> 4U)];
+    hex += kDigits[std::to_integer<unsigned>(byte & std::byte{15})];
+  }
+  return hex;
+}
+
+Bytes bytesOf(const std::string& hex) {
+  Bytes bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    bytes.push_back(static_cast<std::byte>(std::stoul(hex.substr(i, 2), nullptr, 16)));
+  }
+  return bytes;
+}
+
+TEST(Golden, Hello) {
+  EXPECT_EQ(hexOf(encode(kHelloMessage)), kHello);
+  const Bytes bytes = bytesOf(kHello);
+  const auto frame = parseFrame(bytes, Expect::Hello);
+  ASSERT_TRUE(frame.ok()) << frame.error().text();
+  EXPECT_EQ(*decodeHello(frame->payload), kHelloMessage);
+}
+
+TEST(Golden, Frame) {
+  EXPECT_EQ(hexOf(encode(frameMessage())), kFrame);
+  const Bytes bytes = bytesOf(kFrame);
+  const auto frame = parseFrame(bytes, Expect::FromMaster);
+  ASSERT_TRUE(frame.ok()) << frame.error().text();
+  EXPECT_TRUE(isSame(*decodeFrame(frame->payload), frameMessage()));
+}
+
+}  // namespace
+}  // namespace tessera::proto

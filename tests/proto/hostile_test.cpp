@@ -1,0 +1,244 @@
+// Payloads that are sound for the framing and, mostly, for FlatBuffers, but break a rule of the protocol.
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "flatbuffers/flatbuffers.h"
+#include "proto/codec.h"
+#include "proto/tessera_generated.h"
+#include "tests/proto/test_messages.h"
+
+namespace tessera::proto {
+namespace {
+
+using test::ExactBytes;
+using test::MessageMaker;
+using test::payloadOf;
+
+using Builder = flatbuffers::FlatBufferBuilder;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::optional<ProtocolError> refusal(MessageType type, std::span<const std::byte> payload) {
+  const ExactBytes exact(payload);
+  const auto decoded = decode(type, exact.view());
+  if (decoded) return std::nullopt;
+  return protocolErrorOf(decoded.error());
+}
+
+/// Encodes `good` after `spoil` and returns why it is refused.
+template <class Message>
+std::optional<ProtocolError> refusalOf(Message good, const std::function<void(Message&)>& spoil) {
+  const auto type = static_cast<MessageType>(AnyMessage(good).index() + 1);
+  EXPECT_EQ(refusal(type, payloadOf(encode(good))), std::nullopt);
+  spoil(good);
+  return refusal(type, payloadOf(encode(good)));
+}
+
+template <class Table>
+std::optional<ProtocolError> refusalOfBuilt(MessageType type, Builder& builder,
+                                            flatbuffers::Offset<Table> root) {
+  builder.FinishSizePrefixed(root);
+  return refusal(type, std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize())));
+}
+
+TEST(Hostile, Hello) {
+  const Hello good = {
+      .tileName = "r0c0", .programVersion = "0.1", .clockId = "", .surface = SurfaceKind::None};
+  const auto refused = [&](const std::function<void(Hello&)>& spoil) { return refusalOf(good, spoil); };
+  EXPECT_EQ(refused([](Hello& m) { m.tileName = ""; }), ProtocolError::BadText);
+  EXPECT_EQ(refused([](Hello& m) { m.tileName = std::string(65, 'a'); }), ProtocolError::BadText);
+  EXPECT_EQ(refused([](Hello& m) { m.tileName = "a\nb"; }), ProtocolError::BadText);
+  EXPECT_EQ(refused([](Hello& m) { m.tileName = std::string("a\0b", 3); }), ProtocolError::BadText);
+  EXPECT_EQ(refused([](Hello& m) { m.programVersion = "\xff"; }), ProtocolError::BadText);
+  EXPECT_EQ(refused([](Hello& m) { m.clockId = "\xed\xa0\x80"; }), ProtocolError::BadText);
+  EXPECT_EQ(refused([](Hello& m) { m.surface = static_cast<SurfaceKind>(4); }), ProtocolError::BadEnum);
+  EXPECT_EQ(refused([](Hello& m) { m.tileName = std::string(64, 'a'); }), std::nullopt);
+  EXPECT_TRUE(encode(Hello{.tileName = std::string(5000, 'a')}).empty());
+}
+
+TEST(Hostile, Welcome) {
+  const Welcome good = {.tileName = "r0c0", .widthPx = 8, .heightPx = 9, .idleTimeoutMs = 1};
+  const auto refused = [&](const std::function<void(Welcome&)>& spoil) { return refusalOf(good, spoil); };
+  for (const std::int32_t px : {0, -1, kMaxImagePx + 1, INT32_MAX, INT32_MIN}) {
+    EXPECT_EQ(refused([&](Welcome& m) { m.widthPx = px; }), ProtocolError::BadPicture);
+    EXPECT_EQ(refused([&](Welcome& m) { m.heightPx = px; }), ProtocolError::BadPicture);
+  }
+  EXPECT_EQ(refused([](Welcome& m) { m.xPx = -1; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Welcome& m) { m.yPx = INT32_MAX; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Welcome& m) { m.idleTimeoutMs = 0; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Welcome& m) { m.picture = static_cast<PictureFormat>(2); }), ProtocolError::BadEnum);
+  for (const float channel : {-0.01F, 1.01F, std::numeric_limits<float>::quiet_NaN()}) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(refused([&](Welcome& m) { m.backgroundRgb[i] = channel; }), ProtocolError::BadNumber);
+    }
+  }
+}
+
+TEST(Hostile, FrameNumbers) {
+  MessageMaker maker(30);
+  Frame good = maker.frame();
+  const auto refused = [&](const std::function<void(Frame&)>& spoil) { return refusalOf(good, spoil); };
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(refused([&](Frame& m) { m.eye[i] = bad; }), ProtocolError::BadNumber);
+      EXPECT_EQ(refused([&](Frame& m) { m.right[i] = bad; }), ProtocolError::BadNumber);
+      EXPECT_EQ(refused([&](Frame& m) { m.up[i] = bad; }), ProtocolError::BadNumber);
+      for (std::size_t k = 0; k < 4; ++k) {
+        EXPECT_EQ(refused([&](Frame& m) { m.corners[k][i] = bad; }), ProtocolError::BadNumber);
+      }
+    }
+    EXPECT_EQ(refused([&](Frame& m) { m.nearM = bad; }), ProtocolError::BadNumber);
+    EXPECT_EQ(refused([&](Frame& m) { m.farM = bad; }), ProtocolError::BadNumber);
+  }
+  EXPECT_EQ(refused([](Frame& m) { m.nearM = 0; }), ProtocolError::BadDepthRange);
+  EXPECT_EQ(refused([](Frame& m) { m.nearM = -1; }), ProtocolError::BadDepthRange);
+  EXPECT_EQ(refused([](Frame& m) { m.farM = m.nearM; }), ProtocolError::BadDepthRange);
+  EXPECT_EQ(refused([](Frame& m) { m.right *= 1.01; }), ProtocolError::BadAxes);
+  EXPECT_EQ(refused([](Frame& m) { m.up.setZero(); }), ProtocolError::BadAxes);
+  EXPECT_EQ(refused([](Frame& m) { m.up = m.right; }), ProtocolError::BadAxes);
+  EXPECT_EQ(refused([](Frame& m) { m.up *= 1e200; }), ProtocolError::BadAxes);
+  EXPECT_EQ(refused([](Frame& m) { m.frame = m.baseFrame = 0; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Frame& m) { m.baseFrame = m.frame; }), ProtocolError::BadNumber);
+}
+
+TEST(Hostile, FrameZeroIsNoFrame) {
+  EXPECT_EQ(refusal(MessageType::Ready, payloadOf(encode(Ready{}))), ProtocolError::BadNumber);
+  EXPECT_EQ(refusal(MessageType::Swap, payloadOf(encode(Swap{}))), ProtocolError::BadNumber);
+  EXPECT_EQ(refusal(MessageType::Shown, payloadOf(encode(Shown{}))), ProtocolError::BadNumber);
+}
+
+TEST(Hostile, Leaves) {
+  MessageMaker maker(31);
+  Leaves good = {{maker.leaf(), maker.leaf()}};
+  good.leaves[1].billboard = LeafBillboard{};
+  const auto refused = [&](const std::function<void(LeafRecord&)>& spoil) {
+    return refusalOf<Leaves>(good, [&](Leaves& m) { spoil(m.leaves[1]); });
+  };
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
+    for (int i = 0; i < 16; ++i) {
+      EXPECT_EQ(refused([&](LeafRecord& m) { m.localToWorld(i) = bad; }), ProtocolError::BadNumber);
+    }
+    EXPECT_EQ(refused([&](LeafRecord& m) { m.radius = bad; }), ProtocolError::BadNumber);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(refused([&](LeafRecord& m) { m.center[i] = bad; }), ProtocolError::BadNumber);
+      EXPECT_EQ(refused([&](LeafRecord& m) { m.billboard->axis[i] = bad; }), ProtocolError::BadNumber);
+      EXPECT_EQ(refused([&](LeafRecord& m) { m.billboard->normal[i] = bad; }), ProtocolError::BadNumber);
+      EXPECT_EQ(refused([&](LeafRecord& m) { m.billboard->position[i] = bad; }), ProtocolError::BadNumber);
+    }
+  }
+  EXPECT_EQ(refused([](LeafRecord& m) { m.radius = -1; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](LeafRecord& m) { m.billboard->mode = static_cast<BillboardMode>(3); }),
+            ProtocolError::BadEnum);
+}
+
+TEST(Hostile, Pictures) {
+  MessageMaker maker(32);
+  Shown good = {.frame = 1};
+  good.picture = Picture{.widthPx = 4, .heightPx = 5, .bytes = maker.bytes(60)};
+  const auto refused = [&](const std::function<void(Picture&)>& spoil) {
+    return refusalOf<Shown>(good, [&](Shown& m) { spoil(*m.picture); });
+  };
+  EXPECT_EQ(refused([](Picture& m) { m.bytes = m.bytes.first(59); }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Picture& m) { m.bytes = {}; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Picture& m) { m.widthPx = 5; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Picture& m) { m.heightPx = 0; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Picture& m) { m.widthPx = m.heightPx = -5; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Picture& m) { m.widthPx = m.heightPx = INT32_MAX; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Picture& m) { m.format = PictureFormat::None; }), ProtocolError::BadEnum);
+  EXPECT_EQ(refused([](Picture& m) { m.format = static_cast<PictureFormat>(2); }), ProtocolError::BadEnum);
+}
+
+TEST(Hostile, EnumerationsOfAssetsAndErrors) {
+  EXPECT_EQ(refusal(MessageType::Assets, payloadOf(encode(Assets{{{.kind = static_cast<AssetKind>(3)}}}))),
+            ProtocolError::BadEnum);
+  EXPECT_EQ(refusal(MessageType::Error,
+                    payloadOf(encode(ErrorMessage{.code = static_cast<ErrorCode>(9), .text = ""}))),
+            ProtocolError::BadEnum);
+}
+
+TEST(Hostile, TextsThatOurEncoderWouldNotSend) {
+  for (const std::string& text : {std::string(kMaxTextBytes + 1, 'x'), std::string("\xc0\xaf")}) {
+    Builder byeBuilder;
+    EXPECT_EQ(refusalOfBuilt(MessageType::Bye, byeBuilder,
+                             wire::CreateBye(byeBuilder, byeBuilder.CreateString(text))),
+              ProtocolError::BadText);
+    Builder errorBuilder;
+    EXPECT_EQ(refusalOfBuilt(MessageType::Error, errorBuilder,
+                             wire::CreateError(errorBuilder, wire::ErrorCode::Internal,
+                                               errorBuilder.CreateString(text))),
+              ProtocolError::BadText);
+  }
+}
+
+// A table whose required fields are missing: an empty one, as Ping without a nonce.
+TEST(Hostile, MissingFields) {
+  for (const MessageType type :
+       {MessageType::Hello, MessageType::Welcome, MessageType::Assets, MessageType::Leaves,
+        MessageType::Frame, MessageType::Bye, MessageType::Error}) {
+    Builder builder;
+    EXPECT_EQ(refusalOfBuilt(type, builder, wire::CreatePing(builder)), ProtocolError::Malformed)
+        << nameOf(type);
+  }
+}
+
+TEST(Hostile, TheSizeInFrontMustBeTrue) {
+  const Bytes message = encode(Ping{.nonce = 5});
+  const auto payload = payloadOf(message);
+  for (const int change : {-4, -1, 1, 4, 100}) {
+    std::vector<std::byte> bytes(payload.begin(), payload.end());
+    bytes[0] = static_cast<std::byte>(std::to_integer<int>(bytes[0]) + change);
+    EXPECT_EQ(refusal(MessageType::Ping, bytes),
+              change < 0 ? ProtocolError::TrailingBytes : ProtocolError::Truncated);
+  }
+}
+
+TEST(Hostile, PayloadsOverTheLimitAreRefusedUnread) {
+  const std::vector<std::byte> large(maxPayloadBytes(MessageType::Ready) + 4);
+  EXPECT_EQ(refusal(MessageType::Ready, large), ProtocolError::TooLarge);
+}
+
+// One small table named by many offsets must not become many records.
+TEST(Hostile, SharedLeavesDoNotMultiply) {
+  for (const std::size_t count : {100U, 60000U, 200000U}) {
+    Builder builder;
+    const wire::Sha256 id;
+    const wire::Mat4 matrix;
+    const wire::Vec3 zero;
+    const auto leaf = wire::CreateLeaf(builder, 1, &id, &id, &matrix, &zero);
+    const auto refused =
+        refusalOfBuilt(MessageType::Leaves, builder,
+                       wire::CreateLeaves(builder, builder.CreateVector(std::vector(count, leaf))));
+    EXPECT_EQ(refused, count > kMaxLeavesPerMessage * 2 ? ProtocolError::Malformed : ProtocolError::BadCount);
+  }
+}
+
+TEST(Hostile, SharedAssetBytesDoNotMultiply) {
+  Builder builder;
+  const std::vector<std::uint8_t> bytes(10000);
+  const auto vector = builder.CreateVector(bytes);
+  std::vector<flatbuffers::Offset<wire::Asset>> assets;
+  for (int i = 0; i < 100; ++i) {
+    const wire::Sha256 id;
+    assets.push_back(wire::CreateAsset(builder, &id, wire::AssetKind::Image, vector));
+  }
+  EXPECT_EQ(
+      refusalOfBuilt(MessageType::Assets, builder, wire::CreateAssets(builder, builder.CreateVector(assets))),
+      ProtocolError::BadCount);
+}
+
+TEST(Hostile, SharedAssetsDoNotMultiply) {
+  Builder builder;
+  const wire::Sha256 id;
+  const auto asset = wire::CreateAsset(builder, &id, wire::AssetKind::Image,
+                                       builder.CreateVector(std::vector<std::uint8_t>(1)));
+  EXPECT_EQ(refusalOfBuilt(MessageType::Assets, builder,
+                           wire::CreateAssets(builder, builder.CreateVector(std::vector(1000, asset)))),
+            ProtocolError::BadCount);
+}
+
+}  // namespace
+}  // namespace tessera::proto
