@@ -55,11 +55,9 @@ class TileConversation {
                               : Status(decoded.error());
       if (!status) {
         master_->send(proto::encode(proto::ErrorMessage{proto::ErrorCode::ProtocolViolation, status.error().text()}));
-        master_->closeAfterSending();
         co_return status;
       }
     }
-    master_->closeAfterSending();
     co_return Done{};
   }
 
@@ -143,10 +141,17 @@ class TileConversation {
   bool isReady_ = false, wantPicture_ = false, over_ = false;
 };
 
+/// Ends the connection, after what is queued, however the conversation ends: the io context runs until then.
+struct Closer {
+  std::shared_ptr<net::Connection> connection;
+  ~Closer() { connection->closeAfterSending(); }
+};
+
 awaitable<Status> converse(const TileOptions& options) {
   auto connected = co_await net::connect(options.master, options.connectDeadline);
   if (!connected) co_return connected.error();
   const std::shared_ptr<net::Connection> master = *connected;
+  const Closer closer{master};
   master->startWriter(kWriteDeadline);
   proto::Hello hello;
   hello.tileName = options.tileName;
@@ -169,7 +174,6 @@ awaitable<Status> converse(const TileOptions& options) {
   TileConversation conversation(master, std::move(*welcome), options.surface);
   if (Status status = conversation.openSurface(); !status) {
     master->send(proto::encode(proto::ErrorMessage{proto::ErrorCode::Internal, status.error().text()}));
-    master->closeAfterSending();
     co_return status;
   }
   co_return co_await conversation.run();

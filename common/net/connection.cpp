@@ -79,15 +79,15 @@ void Connection::startWriter(Milliseconds deadline) {
 // `self` keeps the connection alive while it writes.
 awaitable<void> Connection::writeQueued([[maybe_unused]] std::shared_ptr<Connection> self, Milliseconds deadline) {
   while (socket_.is_open()) {
-    if (queue_.empty()) {
-      if (closing_) break;
+    bool last = false;
+    const LazyBytes next = takeQueued(last);
+    if (last) break;
+    if (!next) {
       error_code ignored;
       wakeWriter_.expires_at(Clock::time_point::max());
       co_await wakeWriter_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
       continue;
     }
-    const LazyBytes next = std::move(queue_.front());
-    queue_.pop_front();
     const std::shared_ptr<const proto::Bytes> bytes = next();
     for (std::size_t sent = 0; bytes && sent < bytes->size();) {
       error_code ec;
@@ -107,13 +107,32 @@ awaitable<void> Connection::writeQueued([[maybe_unused]] std::shared_ptr<Connect
   closeNow();
 }
 
+LazyBytes Connection::takeQueued(bool& last) {
+  const std::lock_guard lock(mutex_);
+  last = queue_.empty() && closing_;
+  if (queue_.empty()) return {};
+  LazyBytes next = std::move(queue_.front());
+  queue_.pop_front();
+  return next;
+}
+
+void Connection::wakeWriter() {
+  // The writer looks at the queue before it waits and is woken on its own thread, so no wake-up is lost.
+  asio::post(socket_.get_executor(), [self = shared_from_this()] { self->wakeWriter_.cancel(); });
+}
+
 void Connection::send(LazyBytes message) {
-  asio::post(socket_.get_executor(), [self = shared_from_this(), message = std::move(message)]() mutable {
-    if (!self->socket_.is_open() || self->closing_) return;
-    if (self->queue_.size() >= kMaxQueuedMessages) return self->closeNow();
-    self->queue_.push_back(std::move(message));
-    self->wakeWriter_.cancel();
-  });
+  {
+    const std::lock_guard lock(mutex_);
+    if (closing_) return;
+    if (queue_.size() < kMaxQueuedMessages) {
+      queue_.push_back(std::move(message));
+    } else {
+      closing_ = true;
+      queue_.clear();
+    }
+  }
+  wakeWriter();
 }
 
 void Connection::send(proto::Bytes message) {
@@ -121,10 +140,11 @@ void Connection::send(proto::Bytes message) {
 }
 
 void Connection::closeAfterSending() {
-  asio::post(socket_.get_executor(), [self = shared_from_this()] {
-    self->closing_ = true;
-    self->wakeWriter_.cancel();
-  });
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  wakeWriter();
 }
 
 void Connection::close() {
@@ -132,6 +152,11 @@ void Connection::close() {
 }
 
 void Connection::closeNow() {
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;  // what is sent from now on has nowhere to go
+    queue_.clear();
+  }
   error_code ignored;
   socket_.shutdown(tcp::socket::shutdown_both, ignored);
   socket_.close(ignored);

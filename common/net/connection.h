@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// Starts sending what is queued. `deadline` is for the writes. Call once.
   void startWriter(Milliseconds deadline);
 
-  /// Queues a message. Thread-safe. A peer with kMaxQueuedMessages unsent messages is given up.
+  /// Queues a message behind all that send() has queued before, from whichever thread. Thread-safe. A peer with kMaxQueuedMessages unsent messages is given up.
   void send(LazyBytes message);
   void send(proto::Bytes message);
 
@@ -63,6 +64,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
   awaitable<void> writeQueued(std::shared_ptr<Connection> self, Milliseconds deadline);
   /// Closes the socket unless `operation` has moved on when the deadline comes.
   void guard(asio::steady_timer& timer, std::uint64_t& operation, Milliseconds deadline);
+  /// The next message to write; null when there is none, with `last` telling whether none will come.
+  LazyBytes takeQueued(bool& last);
+  void wakeWriter();
   void closeNow();
   [[nodiscard]] Error failure(const error_code& ec, const char* doing) const;
 
@@ -70,8 +74,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::string peer_;
   asio::steady_timer readTimer_, writeTimer_, wakeWriter_;
   std::uint64_t readOperation_ = 0, writeOperation_ = 0;
+  bool timedOut_ = false;
+
+  // The queue has a lock of its own: posts from several threads to an io context keep no common order.
+  std::mutex mutex_;
   std::deque<LazyBytes> queue_;
-  bool closing_ = false, timedOut_ = false;
+  bool closing_ = false;
 };
 
 /// Splits "HOST:PORT" or "[V6]:PORT".

@@ -36,9 +36,10 @@ struct ImportedGraph {
   /// stack. What others still hold stays whole.
   ~ImportedGraph() {
     std::vector<osg::ref_ptr<osg::Node>> dying;
-    if (root) dying.emplace_back(std::move(root));
+    if (root) dying.emplace_back(root);
+    root = nullptr;
     while (!dying.empty()) {
-      const osg::ref_ptr<osg::Node> node = std::move(dying.back());
+      const osg::ref_ptr<osg::Node> node = dying.back();
       dying.pop_back();
       osg::Group* group = node->asGroup();
       if (node->referenceCount() > 1 || group == nullptr) continue;

@@ -109,7 +109,7 @@ Status runWall(const RunFlags& flags) {
                             .progress = [&progress](std::uint64_t done, std::uint64_t) { progress.update(done); }};
   const auto report = master.run(hooks, false);
   progress.finish();
-  tiles.end(std::chrono::milliseconds(300));
+  tiles.end(std::chrono::milliseconds(200));
   if (!report) {
     if (signals.wasStopped()) return runtimeError("", "stopped before the first frame");
     return report.error();

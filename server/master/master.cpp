@@ -14,7 +14,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kMaxHandshakes = 256;
-constexpr std::chrono::milliseconds kGoodbyeDeadline{1000};
+// Together they leave a stopped run time to end its processes within two seconds.
+constexpr std::chrono::milliseconds kLastSwapDeadline{400}, kGoodbyeDeadline{700};
 
 double msSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -85,17 +86,24 @@ CameraPose Master::poseOf(std::uint64_t frame) const {
   return path_.poseAt(times_[(frame - 1) % times_.size()], sphere.center, sphere.radius);
 }
 
-Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
+Status Master::waitForTiles(const Hooks& hooks, bool mayStartWithout) {
   const auto bound = roster_.waitAllBound(Clock::now() + options_.tilesDeadline, hooks.whileWaitingForTiles);
   if (!bound) return bound.error();
-  if (!*bound && !roster_.stopping()) {
-    std::string names;
-    for (const std::string& name : roster_.unboundNames()) names += (names.empty() ? "" : ", ") + name;
-    const std::string what = "these tiles have not connected within the deadline: " + names;
-    if (!mayStartWithout) return runtimeError("", what, "see their own messages above");
-    spdlog::warn("{}; starting without them", what);
-  }
+  if (*bound || roster_.stopping()) return Done{};
+  std::string names;
+  for (const std::string& name : roster_.unboundNames()) names += (names.empty() ? "" : ", ") + name;
+  const std::string what = "these tiles have not connected within the deadline: " + names;
+  if (!mayStartWithout) return runtimeError("", what, "see their own messages above");
+  spdlog::warn("{}; starting without them", what);
+  return Done{};
+}
 
+Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
+  if (Status status = waitForTiles(hooks, mayStartWithout); !status) {
+    sayGoodbye();
+    stopNetwork();
+    return status.error();
+  }
   report_.tiles.resize(wall_.tiles.size());
   FrustumHierarchy frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows));
   cull::Culler culler(scene_.hierarchy, options_.cull);
@@ -120,7 +128,9 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
   if (frame > 0) endFrame(frame);
   report_.frames = frame;
   report_.seconds = msSince(firstFrame_) / 1000 - report_.firstFrameMs / 1000;
-  if (frame > 0) roster_.waitShown(frame, Clock::now() + kGoodbyeDeadline);
+  if (frame > 0) {
+    roster_.waitShown(frame, Clock::now() + (roster_.stopping() ? kLastSwapDeadline : options_.frameDeadline));
+  }
   sayGoodbye();
   stopNetwork();
   if (pictures_) {

@@ -68,6 +68,7 @@ class Master {
  private:
   [[nodiscard]] CameraPose poseOf(std::uint64_t frame) const;
   net::awaitable<void> acceptTiles(net::tcp::acceptor acceptor);
+  [[nodiscard]] Status waitForTiles(const Hooks& hooks, bool mayStartWithout);
   void sendFrame(std::uint64_t frame, const WallView& view, const cull::Result& lists);
   void endFrame(std::uint64_t frame);
   void pace(std::uint64_t frame);

@@ -11,7 +11,7 @@ Result<const std::vector<Leaf>*> Geometries::leaves(int meshIndex, bool isMirror
   if (found == meshes_.end()) {
     MeshLeaves made;
     if (isMirrored) {
-      const Result<const std::vector<Leaf>*> plain = leaves(meshIndex, false);
+      Result<const std::vector<Leaf>*> plain = leaves(meshIndex, false);
       if (!plain) return plain;
       made.leaves = mirror(**plain);
     } else {

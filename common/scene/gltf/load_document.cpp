@@ -166,10 +166,9 @@ Result<tinygltf::Model> parse(const std::string& bytes, bool isBinary, FileAcces
     fault = e.what();
   }
   if (access.bufferFault) return *access.bufferFault;
-  const std::string serious = seriousFault(fault);
-  if (!ok || !serious.empty()) {
-    return inputError({}, "is not valid glTF" + (serious.empty() ? "" : ": " + serious), kExportAgain);
-  }
+  std::string serious = seriousFault(fault);
+  if (!ok && serious.empty()) serious = fault.empty() ? "a part of it cannot be read" : fault.substr(0, 300);
+  if (!serious.empty()) return inputError({}, "is not valid glTF: " + serious, kExportAgain);
   return model;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -47,7 +47,10 @@ struct StateVariant {
   bool isLit = true;
   bool isMirrored = false;  ///< triangles wound the other way round
 
-  auto operator<=>(const StateVariant&) const = default;
+  [[nodiscard]] bool operator<(const StateVariant& other) const {
+    return std::tie(isTextured, isLit, isMirrored) <
+           std::tie(other.isTextured, other.isLit, other.isMirrored);
+  }
 };
 
 /// After so many parents a shared OSG object is replaced by a shallow copy. OSG looks a dying parent up in a

@@ -61,22 +61,23 @@ Result<std::vector<int>> parentsOf(const std::vector<tinygltf::Node>& nodes) {
                     kExportAgain);
 }
 
+/// What is wrong with a scene's list of roots at `root`; empty where nothing is.
+std::string faultOfRoot(int root, const std::vector<int>& parents, std::vector<bool>& isListed) {
+  if (root < 0 || static_cast<std::size_t>(root) >= parents.size()) return ", which does not exist";
+  const auto at = static_cast<std::size_t>(root);
+  if (isListed[at]) return " twice";
+  isListed[at] = true;
+  if (parents[at] != kNoParent) return ", which is a child of node " + std::to_string(parents[at]);
+  return {};
+}
+
 Status checkRoots(const std::vector<int>& roots, const std::vector<int>& parents, int scene) {
-  const std::string name = "scene " + std::to_string(scene);
   std::vector<bool> isListed(parents.size(), false);
   for (const int root : roots) {
-    const std::string node = "node " + std::to_string(root);
-    if (root < 0 || static_cast<std::size_t>(root) >= parents.size()) {
-      return inputError({}, name + " lists " + node + ", which does not exist", kExportAgain);
-    }
-    const auto at = static_cast<std::size_t>(root);
-    if (isListed[at]) return inputError({}, name + " lists " + node + " twice", kExportAgain);
-    isListed[at] = true;
-    if (parents[at] != kNoParent) {
-      return inputError({},
-                        name + " lists " + node + ", which is a child of node " + std::to_string(parents[at]),
-                        kExportAgain);
-    }
+    const std::string fault = faultOfRoot(root, parents, isListed);
+    if (fault.empty()) continue;
+    return inputError({}, "scene " + std::to_string(scene) + " lists node " + std::to_string(root) + fault,
+                      kExportAgain);
   }
   return Done{};
 }

@@ -206,7 +206,7 @@ Status PrimitiveReader::readNormals() {
   }
   const Result<std::vector<float>> values = readFloats("NORMAL", Attribute::Normal);
   if (!values) return values.error();
-  if (const Status status = checkFinite(*values, 3, "NORMAL"); !status) return status;
+  if (Status status = checkFinite(*values, 3, "NORMAL"); !status) return status;
   osg::ref_ptr<osg::Vec3Array> normals = new osg::Vec3Array(osg::Array::BIND_PER_VERTEX);
   normals->resize(vertexCount_);
   std::copy(values->begin(), values->end(), floatsOf(*normals).begin());
@@ -262,7 +262,7 @@ Status PrimitiveReader::readTexCoords() {
     coords->push_back(uv);
   }
   const std::span<const float> seen(coords->front().ptr(), vertexCount_ * 2);
-  if (const Status status = checkFinite(seen, 2, attribute); !status) return status;
+  if (Status status = checkFinite(seen, 2, attribute); !status) return status;
   variant_.isTextured = true;
   geometry_->setTexCoordArray(0, coords);
   return Done{};
@@ -284,7 +284,7 @@ Status PrimitiveReader::readColors() {
   const Result<std::vector<float>> values = readFloats("COLOR_0", Attribute::Color);
   if (!values) return values.error();
   const std::size_t components = values->size() / vertexCount_;
-  if (const Status status = checkFinite(*values, components, "COLOR_0"); !status) return status;
+  if (Status status = checkFinite(*values, components, "COLOR_0"); !status) return status;
   osg::ref_ptr<osg::Vec4ubArray> colors = new osg::Vec4ubArray(osg::Array::BIND_PER_VERTEX);
   colors->setNormalize(true);
   colors->reserve(vertexCount_);

@@ -10,11 +10,8 @@ Curve arc(const Vec2& center, const Vec2& halfAxes, double startRad, double stop
 }
 
 Curve hyperbola(const Vec2& waist, double slopeLengthM, double startY, double stopY) {
-  return {.kind = Curve::Kind::Hyperbola,
-          .from = waist,
-          .to = {slopeLengthM, 0},
-          .start = startY,
-          .stop = stopY};
+  return {
+      .kind = Curve::Kind::Hyperbola, .from = waist, .to = {slopeLengthM, 0}, .start = startY, .stop = stopY};
 }
 
 namespace {
@@ -64,8 +61,14 @@ double lengthOf(const Curve& curve) {
 
 std::uint32_t segmentsAround(double radiusM, const Detail& detail) {
   constexpr double kSegmentsAtOneMetre = 20;
-  const double wanted = kSegmentsAtOneMetre * detail.level * std::sqrt(radiusM) + detail.dither - 0.5;
-  const double least = radiusM < 0.06 ? 4 : radiusM < 1 ? 6 : 10;
+  // Pieces of the same radius must agree, or cracks would open where they meet: the radius decides the
+  // dither, to a tenth of a millimetre.
+  const double spread = 0.6180339887498949 * std::floor(radiusM * 1e4 + 0.5);
+  const double wanted =
+      kSegmentsAtOneMetre * detail.level * std::sqrt(radiusM) + (spread - std::floor(spread)) - 0.5;
+  // Below level 0.4 only counts matter, not looks.
+  const double share = 0.6 + 0.4 * std::min(1.0, detail.level / 0.4);
+  const double least = std::max(3.0, share * (radiusM < 0.06 ? 4.5 : radiusM < 1 ? 6.5 : 10));
   return static_cast<std::uint32_t>(std::max(wanted, least));
 }
 

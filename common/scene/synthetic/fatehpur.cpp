@@ -47,8 +47,11 @@ Result<std::string> makePalace(const FatehpurOptions& options) {
   addResidences(palace, root);
   addMinar(palace, root);
   addCityWall(palace, root);
-  addGarden(palace, root, kLeaves - palace.model.leafCount());
-  if (!palace.model.splitGroupsTo(kGroups)) return runtimeError("fatehpur", "its groups cannot be made to count");
+  const std::uint32_t leafCount = palace.model.leafCount();
+  if (leafCount + 2 > kLeaves) return runtimeError("fatehpur", "its parts are too many");
+  addGarden(palace, root, kLeaves - leafCount);
+  if (!palace.model.splitGroupsTo(kGroups))
+    return runtimeError("fatehpur", "its groups cannot be made to count");
   return palace.model.toGlb(options.triangles);
 }
 

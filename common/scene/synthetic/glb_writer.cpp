@@ -6,8 +6,9 @@
 #include <cstring>
 #include <initializer_list>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
+
+#include <nlohmann/json.hpp>
 
 namespace tessera::synthetic {
 namespace {
@@ -35,8 +36,12 @@ void append(std::string& out, float value) {
   out.append(text, std::to_chars(text, text + sizeof text, value).ptr);
 }
 
-void append(std::string& out, std::string_view text) { out += text; }
-void append(std::string& out, const char* text) { out += text; }
+void append(std::string& out, std::string_view text) {
+  out += text;
+}
+void append(std::string& out, const char* text) {
+  out += text;
+}
 
 template <class... T>
 void appendAll(std::string& out, const T&... pieces) {
@@ -45,11 +50,14 @@ void appendAll(std::string& out, const T&... pieces) {
 
 void appendVector(std::string& out, std::string_view key, std::initializer_list<double> values) {
   appendAll(out, "\"", key, "\":[");
-  for (const double& v : values) appendAll(out, &v == values.begin() ? "" : ",", static_cast<float>(v));
+  for (const double& v : values)
+    appendAll(out, &v == values.begin() ? "" : ",", static_cast<float>(v));
   out += ']';
 }
 
-std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump();
+}
 
 /// A component of an sRGB colour as glTF wants it: linear. Rounded, so that no library's pow shows.
 float linear(std::uint32_t rgb, unsigned shift) {
@@ -68,7 +76,9 @@ void appendWord(std::string& out, std::uint64_t value) {
   appendBytes(out, &word, 1);
 }
 
-void pad(std::string& out, char with) { out.append((4 - out.size() % 4) % 4, with); }
+void pad(std::string& out, char with) {
+  out.append((4 - out.size() % 4) % 4, with);
+}
 
 /// The children of every node in order of their ids: children of i are list[first[i]] to list[first[i+1]].
 struct Children {
@@ -80,7 +90,8 @@ Children childrenOf(const std::vector<GlbWriter::Node>& nodes) {
   for (const auto& node : nodes) {
     if (node.parent != GlbWriter::kNone) ++children.first[node.parent + 2];
   }
-  for (std::size_t i = 2; i < children.first.size(); ++i) children.first[i] += children.first[i - 1];
+  for (std::size_t i = 2; i < children.first.size(); ++i)
+    children.first[i] += children.first[i - 1];
   children.list.resize(children.first.back());
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i].parent != GlbWriter::kNone) children.list[children.first[nodes[i].parent + 1]++] = i;
@@ -250,7 +261,8 @@ Result<std::string> GlbWriter::finish() && {
   }
   const std::uint64_t total = kHeaderBytes + 2 * kChunkHeaderBytes + text.size() + binaryBytes;
   if (total > std::numeric_limits<std::uint32_t>::max()) {
-    return inputError(sceneName_, "the scene would take " + std::to_string(total) + " bytes; a .glb ends at 4 GiB",
+    return inputError(sceneName_,
+                      "the scene would take " + std::to_string(total) + " bytes; a .glb ends at 4 GiB",
                       "ask for fewer triangles");
   }
   std::string out;

@@ -94,10 +94,10 @@ void emitSoffit(const std::vector<CurvePoint>& arch, double halfDepthM, MeshWrit
   }
 }
 
-/// Segments of a jali's hole: a multiple of 8, so that the square's corners are among the points.
+/// Segments of a jali's hole: a multiple of 4, so that the square's corners are among the points.
 std::uint32_t segmentsOf(const Jali& jali, const Detail& detail) {
-  const double eighths = 3.5 * detail.level * std::sqrt(jali.cellM) + detail.dither - 0.5;
-  return 8 * static_cast<std::uint32_t>(std::max(eighths, 1.0));
+  const double quarters = 7 * detail.level * std::sqrt(jali.cellM) + detail.dither - 0.5;
+  return 4 * static_cast<std::uint32_t>(std::max(quarters, 1.0));
 }
 
 void emitCell(const Jali& jali, const Vec2& center, std::uint32_t segments, MeshWriter& out) {
@@ -108,7 +108,7 @@ void emitCell(const Jali& jali, const Vec2& center, std::uint32_t segments, Mesh
     std::array<Vec2, 2> hole;
     std::array<Vec2, 2> direction;
     for (std::uint32_t k = 0; k < 2; ++k) {
-      const SinCos a = sinCos(2 * kPi * ((i + k) % segments) / segments);
+      const SinCos a = sinCos(kPi / 4 + 2 * kPi * ((i + k) % segments) / segments);
       direction[k] = {a.cos, a.sin};
       rim[k] = center + direction[k] * (halfCellM / std::max(std::abs(a.cos), std::abs(a.sin)));
       hole[k] = center + direction[k] * (halfCellM * jali.holeRatio);
@@ -126,7 +126,9 @@ void emitCell(const Jali& jali, const Vec2& center, std::uint32_t segments, Mesh
 
 }  // namespace
 
-std::uint64_t count(const ArchBay& bay, const Detail& detail) { return 12ULL * piecesOf(bay, detail) + 26; }
+std::uint64_t count(const ArchBay& bay, const Detail& detail) {
+  return 12ULL * piecesOf(bay, detail) + 26;
+}
 
 void emit(const ArchBay& bay, const Detail& detail, MeshWriter& out) {
   const double halfWidthM = bay.widthM / 2;
@@ -165,7 +167,9 @@ void emit(const Jali& jali, const Detail& detail, MeshWriter& out) {
   out.quad({Vec3(0, 0, -z), Vec3(x, 0, -z), Vec3(x, 0, z), Vec3(0, 0, z)}, -Vec3::UnitY());
 }
 
-std::uint64_t count(const Stairs& stairs, const Detail& /*detail*/) { return 8ULL * stairs.stepCount + 2; }
+std::uint64_t count(const Stairs& stairs, const Detail& /*detail*/) {
+  return 8ULL * stairs.stepCount + 2;
+}
 
 void emit(const Stairs& stairs, const Detail& /*detail*/, MeshWriter& out) {
   const double z = stairs.widthM / 2;

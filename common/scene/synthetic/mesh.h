@@ -42,7 +42,8 @@ class MeshWriter {
   /// Two flat triangles a-b-c and a-c-d with vertices of their own.
   void quad(const std::array<Vec3, 4>& corners, const Vec3& normal) {
     const std::uint32_t first = vertex(corners[0], normal);
-    for (std::size_t i = 1; i < 4; ++i) vertex(corners[i], normal);
+    for (std::size_t i = 1; i < 4; ++i)
+      vertex(corners[i], normal);
     triangle(first, first + 1, first + 2);
     triangle(first, first + 2, first + 3);
   }

@@ -10,10 +10,13 @@ namespace {
 
 /// Beyond any use: about a thousand times the triangles of level 1.
 constexpr double kLevelLimit = 64;
+constexpr const char* kSection = " section";
 
 }  // namespace
 
-Model::Model(std::string name) : name_(std::move(name)) { nodes_.push_back({.name = name_, .placement = {}}); }
+Model::Model(std::string name) : name_(std::move(name)) {
+  nodes_.push_back({.name = name_, .placement = {}});
+}
 
 GroupId Model::group(GroupId parent, const std::string& name, const Placement& placement) {
   nodes_.push_back({.parent = parent.node, .name = name, .placement = placement});
@@ -27,7 +30,8 @@ std::uint32_t Model::material(const Material& material) {
 
 FormId Model::form(std::uint32_t material, Parts parts) {
   const auto partCount = static_cast<std::uint32_t>(parts.size());
-  forms_.push_back({.material = material, .leafCount = 0, .firstPart = partCount_, .parts = std::move(parts)});
+  forms_.push_back(
+      {.material = material, .leafCount = 0, .firstPart = partCount_, .parts = std::move(parts)});
   partCount_ += partCount;
   return {static_cast<std::uint32_t>(forms_.size() - 1)};
 }
@@ -54,7 +58,8 @@ std::uint64_t Model::triangleCount(const Form& form, double level) const {
 
 std::uint64_t Model::triangleCount(double level) const {
   std::uint64_t sum = 0;
-  for (const Form& form : forms_) sum += triangleCount(form, level);
+  for (const Form& form : forms_)
+    sum += triangleCount(form, level);
   return sum;
 }
 
@@ -80,7 +85,8 @@ std::vector<double> Model::levelsFor(std::uint64_t triangles) const {
 Result<std::string> Model::toGlb(std::uint64_t triangles) const {
   const std::vector<double> levels = levelsFor(triangles);
   GlbWriter writer(name_);
-  for (const Material& m : materials_) writer.addMaterial(m);
+  for (const Material& m : materials_)
+    writer.addMaterial(m);
   std::vector<std::uint32_t> meshes;
   Mesh mesh;
   for (std::size_t f = 0; f < forms_.size(); ++f) {
@@ -95,7 +101,8 @@ Result<std::string> Model::toGlb(std::uint64_t triangles) const {
   }
   // In pre-order, so that a subtree is one stretch of the file.
   std::vector<std::vector<std::uint32_t>> children(nodes_.size());
-  for (std::uint32_t i = 1; i < nodes_.size(); ++i) children[nodes_[i].parent].push_back(i);
+  for (std::uint32_t i = 1; i < nodes_.size(); ++i)
+    children[nodes_[i].parent].push_back(i);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> open = {{0, GlbWriter::kNone}};
   while (!open.empty()) {
     const auto [id, parent] = open.back();
@@ -113,8 +120,24 @@ Result<std::string> Model::toGlb(std::uint64_t triangles) const {
   return std::move(writer).finish();
 }
 
-void Model::splitGroup(std::uint32_t node, std::vector<std::vector<std::uint32_t>>& children) {
-  std::vector<std::uint32_t> members = children[node];
+std::uint32_t Model::gather(std::uint32_t node, std::span<const std::uint32_t> members,
+                            std::vector<std::vector<std::uint32_t>>& children) {
+  const auto section = static_cast<std::uint32_t>(nodes_.size());
+  const Vec3 origin = nodes_[members.front()].placement.positionM;
+  const std::string& name = nodes_[node].name;
+  const bool isSection = name.ends_with(kSection);
+  nodes_.push_back({.parent = node, .name = isSection ? name : name + kSection, .placement = at(origin)});
+  children.emplace_back(members.begin(), members.end());
+  for (const std::uint32_t m : members) {
+    nodes_[m].parent = section;
+    nodes_[m].placement.positionM -= origin;
+  }
+  children[node].push_back(section);
+  return section;
+}
+
+void Model::splitGroup(std::uint32_t node, bool inTwo, std::vector<std::vector<std::uint32_t>>& children) {
+  std::vector<std::uint32_t> members = std::exchange(children[node], {});
   Vec3 low = nodes_[members.front()].placement.positionM;
   Vec3 high = low;
   for (const std::uint32_t m : members) {
@@ -126,23 +149,21 @@ void Model::splitGroup(std::uint32_t node, std::vector<std::vector<std::uint32_t
   std::stable_sort(members.begin(), members.end(), [&](std::uint32_t a, std::uint32_t b) {
     return nodes_[a].placement.positionM[axis] < nodes_[b].placement.positionM[axis];
   });
-  const auto part = static_cast<std::uint32_t>(nodes_.size());
-  const std::size_t half = members.size() / 2 + members.size() % 2;
-  children.emplace_back(members.begin(), members.begin() + static_cast<std::ptrdiff_t>(half));
-  const Vec3 origin = nodes_[members.front()].placement.positionM;
-  nodes_.push_back({.parent = node, .name = nodes_[node].name + " section", .placement = at(origin)});
-  for (const std::uint32_t m : children[part]) {
-    nodes_[m].parent = part;
-    nodes_[m].placement.positionM -= origin;
+  const std::span<const std::uint32_t> all = members;
+  const std::size_t half = (members.size() + 1) / 2;
+  gather(node, all.first(half), children);
+  if (inTwo) {
+    gather(node, all.subspan(half), children);
+  } else {
+    children[node].insert(children[node].end(), all.begin() + static_cast<std::ptrdiff_t>(half), all.end());
   }
-  children[node].assign(members.begin() + static_cast<std::ptrdiff_t>(half), members.end());
-  children[node].push_back(part);
 }
 
 bool Model::splitGroupsTo(std::uint32_t wanted) {
   if (groupCount() > wanted) return false;
   std::vector<std::vector<std::uint32_t>> children(nodes_.size());
-  for (std::uint32_t i = 1; i < nodes_.size(); ++i) children[nodes_[i].parent].push_back(i);
+  for (std::uint32_t i = 1; i < nodes_.size(); ++i)
+    children[nodes_[i].parent].push_back(i);
   // Largest group first; among equals the first.
   using Entry = std::pair<std::size_t, std::uint32_t>;
   const auto later = [](const Entry& a, const Entry& b) {
@@ -154,12 +175,13 @@ bool Model::splitGroupsTo(std::uint32_t wanted) {
   }
   while (groupCount() < wanted) {
     if (queue.empty() || queue.top().first < 3) return false;
-    const std::uint32_t node = queue.top().second;
+    const auto [memberCount, node] = queue.top();
     queue.pop();
-    const auto part = static_cast<std::uint32_t>(nodes_.size());
-    splitGroup(node, children);
+    const auto firstNew = static_cast<std::uint32_t>(nodes_.size());
+    splitGroup(node, memberCount >= 4 && groupCount() + 2 <= wanted, children);
     queue.emplace(children[node].size(), node);
-    queue.emplace(children[part].size(), part);
+    for (std::uint32_t i = firstNew; i < nodes_.size(); ++i)
+      queue.emplace(children[i].size(), i);
   }
   return true;
 }

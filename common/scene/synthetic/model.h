@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,7 +67,11 @@ class Model {
   [[nodiscard]] static Detail detailOf(const Form& form, std::size_t part, double level);
   [[nodiscard]] std::uint64_t triangleCount(const Form& form, double level) const;
   [[nodiscard]] std::vector<double> levelsFor(std::uint64_t triangles) const;
-  void splitGroup(std::uint32_t node, std::vector<std::vector<std::uint32_t>>& children);
+  /// Moves `members`, children of `node`, into a new group under it.
+  std::uint32_t gather(std::uint32_t node, std::span<const std::uint32_t> members,
+                       std::vector<std::vector<std::uint32_t>>& children);
+  /// Gathers half of the node's children into a new group, and the others too where `inTwo`.
+  void splitGroup(std::uint32_t node, bool inTwo, std::vector<std::vector<std::uint32_t>>& children);
 
   std::string name_;
   std::vector<Node> nodes_;

@@ -26,7 +26,7 @@ struct Palace {
 [[nodiscard]] Parts carvedColumn(double heightM, double radiusM);
 /// Dome with a pointed top and a finial, from y = 0.
 [[nodiscard]] Parts pointedDome(double radiusM);
-/// Sloping stone eave (chajja) around a rectangle centred on the origin, its upper edge at y = 0.
+/// Projecting stone eave (chajja) over a rectangle centred on the origin; its top is at y = 0.
 [[nodiscard]] Part eave(const Vec2& sizeM, double reachM);
 /// Row of pointed battlements along +x from the origin.
 [[nodiscard]] Part battlements(double lengthM, double heightM);

@@ -20,7 +20,9 @@ std::uint32_t spacesFor(double lengthM, double spacingM) {
 
 }  // namespace
 
-Part box(const Vec3& min, const Vec3& max) { return {.shape = Box{min, max}, .placement = {}, .repeat = {}}; }
+Part box(const Vec3& min, const Vec3& max) {
+  return {.shape = Box{min, max}, .placement = {}, .repeat = {}};
+}
 
 Part blockOn(const Vec3& base, const Vec3& size) {
   const Vec3 half(size.x() / 2, 0, size.z() / 2);
@@ -29,7 +31,8 @@ Part blockOn(const Vec3& base, const Vec3& size) {
 
 std::vector<Curve> polyline(const std::vector<Vec2>& points) {
   std::vector<Curve> curves;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) curves.push_back(line(points[i], points[i + 1]));
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    curves.push_back(line(points[i], points[i + 1]));
   return curves;
 }
 
@@ -123,7 +126,8 @@ void append(Parts& parts, Parts more) {
 
 Parts joined(std::initializer_list<Parts> all) {
   Parts parts;
-  for (const Parts& some : all) parts.insert(parts.end(), some.begin(), some.end());
+  for (const Parts& some : all)
+    parts.insert(parts.end(), some.begin(), some.end());
   return parts;
 }
 
@@ -134,15 +138,17 @@ Parts railing(const Vec3& from, const Vec3& to) {
   const Vec3 top(0, kHeightM, 0);
   const Vec3 middle(0, kHeightM / 2, 0);
   const Vec3 toe(0, 0.08, 0);
-  return {tube(from + top, to + top, 0.025), tube(from + middle, to + middle, 0.02),
-          fromLevel(bar(from + toe, to + toe, 0.08), 1.6), repeated(tube(from, from + top, 0.024), spaces + 1, along / spaces)};
+  return {tube(from + top, to + top, 0.025), fromLevel(tube(from + middle, to + middle, 0.02), 0.2),
+          fromLevel(bar(from + toe, to + toe, 0.08), 1.6),
+          repeated(tube(from, from + top, 0.024), spaces + 1, along / spaces)};
 }
 
 Parts roundRailing(double radiusM, double heightM) {
   constexpr double kHeightM = 1.1;
   const std::uint32_t posts = std::max(9U, spacesFor(2 * kPi * radiusM, 3.2));
   const auto rail = [&](double y, double widthM) {
-    return exactly(around(bar(onCircle(radiusM, 0, y), onCircle(radiusM, 2 * kPi / posts, y), widthM), posts));
+    return exactly(
+        around(bar(onCircle(radiusM, 0, y), onCircle(radiusM, 2 * kPi / posts, y), widthM), posts));
   };
   return {rail(heightM + kHeightM, 0.05), rail(heightM + kHeightM / 2, 0.04),
           around(tube({radiusM, heightM, 0}, {radiusM, heightM + kHeightM, 0}, 0.03), posts)};
@@ -177,8 +183,10 @@ Parts cagedLadder(double heightM) {
   constexpr double kFineLevel = 2.5;
   Parts parts = {bar({-0.25, 0, 0}, {-0.25, heightM + 1, 0}, 0.06),
                  bar({0.25, 0, 0}, {0.25, heightM + 1, 0}, 0.06)};
-  for (const Part& part : ladderPieces(heightM, 3)) parts.push_back(belowLevel(part, kFineLevel));
-  for (const Part& part : ladderPieces(heightM, 1)) parts.push_back(fromLevel(part, kFineLevel));
+  for (const Part& part : ladderPieces(heightM, 3))
+    parts.push_back(belowLevel(part, kFineLevel));
+  for (const Part& part : ladderPieces(heightM, 1))
+    parts.push_back(fromLevel(part, kFineLevel));
   return parts;
 }
 
@@ -201,8 +209,8 @@ Parts steelStairs(double runM, double riseM, double widthM) {
   const Vec3 step(runM / steps, riseM / steps, 0);
   Parts parts = {repeated(box({0, step.y() - 0.04, -w}, {0.26, step.y(), w}), steps, step)};
   for (const double z : {-w, w}) {
-    parts.push_back(prism({{0, -0.15}, {runM, riseM - 0.15}, {runM, riseM + 0.1}, {0, 0.1}}, 0.04,
-                          at(0, 0, z - 0.02)));
+    parts.push_back(
+        prism({{0, -0.15}, {runM, riseM - 0.15}, {runM, riseM + 0.1}, {0, 0.1}}, 0.04, at(0, 0, z - 0.02)));
     append(parts, railing({0, 0.1, z}, {runM, riseM + 0.1, z}));
   }
   return parts;

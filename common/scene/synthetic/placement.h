@@ -16,8 +16,12 @@ struct Placement {
   Vec3 scale = Vec3::Ones();
 };
 
-[[nodiscard]] inline Placement at(double x, double y, double z) { return {.positionM = {x, y, z}}; }
-[[nodiscard]] inline Placement at(const Vec3& positionM) { return {.positionM = positionM}; }
+[[nodiscard]] inline Placement at(double x, double y, double z) {
+  return {.positionM = {x, y, z}};
+}
+[[nodiscard]] inline Placement at(const Vec3& positionM) {
+  return {.positionM = positionM};
+}
 
 /// Counter-clockwise from above.
 [[nodiscard]] inline Quat turnY(double angleRad) {

@@ -27,7 +27,8 @@ enum Medium : std::uint8_t { Steam, Water, Fire, Gas, Air, Oil, Acid, Condensate
 
 struct Plant {
   Model model;
-  Random random;
+  Random random;  ///< follows the seed: sizes, colours
+  Random layout;  ///< the same for every seed: whatever decides how many leaves there are
   Paint paint;
 
   [[nodiscard]] std::uint32_t pipe(Medium medium) const { return paint.pipes[medium]; }
@@ -41,7 +42,7 @@ struct PipeRun {
   std::uint32_t material = 0;
   double radiusM = 0.1;
   std::vector<Vec3> path;
-  double spoolM = 24;       ///< longest straight without a flanged joint
+  double spoolM = 24;  ///< longest straight without a flanged joint
   bool endFlanges = true;
   std::vector<std::uint32_t> valvesOn = {};  ///< straights (by number) that carry a valve
 };

@@ -39,14 +39,17 @@ void addTower(Plant& plant, GroupId parent, const std::string& name, const Vec3&
   model.leaf(structure, "Shell", plant.paint.concrete, {shell()});
   const double rimM = shellRadius(kShellToM);
   model.leaf(structure, "Rim", plant.paint.concreteDark,
-             {turned({0, kShellToM - 1, 0}, polyline({{rimM - 0.6, -0.6}, {rimM + 1.2, 0}, {rimM + 1.2, 1.3}, {rimM - 0.6, 1.3}}))});
+             {turned({0, kShellToM - 1, 0},
+                     polyline({{rimM - 0.6, -0.6}, {rimM + 1.2, 0}, {rimM + 1.2, 1.3}, {rimM - 0.6, 1.3}}))});
   Part left = bar(onCircle(footM + 1.5, 0, 0.5), onCircle(footM - 0.2, kPi / 24, kShellFromM + 0.3), 0.7);
   Part right = bar(onCircle(footM + 1.5, 0, 0.5), onCircle(footM - 0.2, -kPi / 24, kShellFromM + 0.3), 0.7);
-  model.leaf(structure, "Legs", plant.paint.concreteDark, {around(left, 24), around(right, 24)});
+  model.leaf(structure, "Legs", plant.paint.concreteDark,
+             {exactly(around(left, 24)), exactly(around(right, 24))});
   model.leaf(structure, "Rim railing", plant.paint.railing, roundRailing(rimM + 1, kShellToM + 0.3));
   const GroupId basin = model.group(tower, "Basin");
   model.leaf(basin, "Wall", plant.paint.concreteDark,
-             {turned({0, 0, 0}, polyline({{footM + 3, 0}, {footM + 3, 1.4}, {footM + 2.6, 1.4}, {footM + 2.6, 0}}))});
+             {turned({0, 0, 0},
+                     polyline({{footM + 3, 0}, {footM + 3, 1.4}, {footM + 2.6, 1.4}, {footM + 2.6, 0}}))});
   model.leaf(basin, "Water", plant.paint.waterSurface,
              {turned({0, 0.9, 0}, polyline({{footM + 2.6, 0}, {0, 0}}))});
   model.leaf(basin, "Fill", plant.paint.timber,
@@ -62,10 +65,11 @@ void addTower(Plant& plant, GroupId parent, const std::string& name, const Vec3&
     const Vec3 low(0, y0, shellRadius(y0) + 0.25);
     const Vec3 high(0, y1, shellRadius(y1) + 0.25);
     const Vec3 up = (high - low).normalized();
-    model.leaf(access, "Ladder " + std::to_string(i + 1), plant.paint.galvanized, cagedLadder((high - low).norm() - 1),
-               at(low, fromAxes(Vec3::UnitX(), up)));
+    model.leaf(access, "Ladder " + std::to_string(i + 1), plant.paint.galvanized,
+               cagedLadder((high - low).norm() - 1), at(low, fromAxes(Vec3::UnitX(), up)));
   }
-  model.leaf(access, "Stair", plant.paint.railing, steelStairs(7, kShellFromM, 1), at({-7, 0, footM + 4}, turnY(0)));
+  model.leaf(access, "Stair", plant.paint.railing, steelStairs(7, kShellFromM, 1),
+             at({-7, 0, footM + 4}, turnY(0)));
 }
 
 void addPumpHouse(Plant& plant, GroupId parent) {
@@ -75,11 +79,12 @@ void addPumpHouse(Plant& plant, GroupId parent) {
   for (std::uint32_t i = 0; i < 4; ++i) {
     const double z = -9.0 + 6 * i;
     addPump(plant, house, "Pump " + std::to_string(i + 1), at(-3, 0.5, z), 1.7);
-    addPipeRun(plant, house, {.name = "Discharge " + std::to_string(i + 1),
-                              .material = plant.pipe(Water),
-                              .radiusM = 0.45,
-                              .path = {{-2.4, 3, z}, {-2.4, 5.5, z}, {4, 5.5, z}, {4, 2.2, z}},
-                              .valvesOn = {1}});
+    addPipeRun(plant, house,
+               {.name = "Discharge " + std::to_string(i + 1),
+                .material = plant.pipe(Water),
+                .radiusM = 0.45,
+                .path = {{-2.4, 3, z}, {-2.4, 5.5, z}, {4, 5.5, z}, {4, 2.2, z}},
+                .valvesOn = {1}});
   }
   addCabinets(plant, house, at({5.5, 0.0, -6}, turnY(kPi / 2)), 5);
 }
@@ -95,11 +100,16 @@ void addCoolingTowers(Plant& plant, GroupId root) {
   for (std::uint32_t i = 0; i < 2; ++i) {
     const double z = -18.5 + 4.5 * i;
     const double r = 1.1;
-    addPipeRun(plant, mains, {.name = i == 0 ? "Supply main" : "Return main",
-                              .material = plant.pipe(Water),
-                              .radiusM = r,
-                              .path = {{-90.5, 1.6, z}, {-90.5, 1.6 + 4.4 * i + 4.6, z}, {-73, 6.2 + 4.4 * i, z}, {-73, 1.6, z}, {-66, 1.6, z}},
-                              .spoolM = 9});
+    addPipeRun(plant, mains,
+               {.name = i == 0 ? "Supply main" : "Return main",
+                .material = plant.pipe(Water),
+                .radiusM = r,
+                .path = {{-90.5, 1.6, z},
+                         {-90.5, 1.6 + 4.4 * i + 4.6, z},
+                         {-73, 6.2 + 4.4 * i, z},
+                         {-73, 1.6, z},
+                         {-66, 1.6, z}},
+                .spoolM = 9});
   }
 }
 

@@ -12,18 +12,24 @@ constexpr double kBend = 3;
 /// Where valves show their every step.
 constexpr double kFineLevel = 1.8;
 
-std::string numbered(const char* what, std::size_t number) { return what + (' ' + std::to_string(number)); }
+std::string numbered(const char* what, std::size_t number) {
+  return what + (' ' + std::to_string(number));
+}
 
-Parts flangeParts(double radiusM) {
+/// A flanged joint of two pipes, or a blind flange that ends one.
+Parts flangeParts(double radiusM, bool blind) {
+  constexpr double kPairLevel = 2;
   const double outerM = radiusM * 1.45 + 0.03;
+  const double innerM = blind ? 0 : radiusM;
   const double thickM = std::max(0.03, radiusM * 0.22);
   const double boltCircleM = (outerM + radiusM) / 2;
   const double boltM = std::max(0.012, radiusM * 0.07);
-  Part bolt = rod({boltCircleM, -thickM - boltM, 0}, {boltCircleM, thickM + boltM, 0}, boltM);
+  const Vec3 y = Vec3::UnitY();
+  const Part bolt = rod({boltCircleM, -thickM - boltM, 0}, {boltCircleM, thickM + boltM, 0}, boltM);
   // A pair of discs with a gap; from afar one thick disc.
-  return {belowLevel(collar({0, -thickM, 0}, radiusM, outerM, thickM * 2, Vec3::UnitY()), 2),
-          fromLevel(collar({0, -thickM, 0}, radiusM, outerM, thickM * 0.92, Vec3::UnitY()), 2),
-          fromLevel(collar({0, thickM * 0.08, 0}, radiusM, outerM, thickM * 0.92, Vec3::UnitY()), 2),
+  return {belowLevel(collar({0, -thickM, 0}, innerM, outerM, thickM * 2, y), kPairLevel),
+          fromLevel(collar({0, -thickM, 0}, innerM, outerM, thickM * 0.92, y), kPairLevel),
+          fromLevel(collar({0, thickM * 0.08, 0}, innerM, outerM, thickM * 0.92, y), kPairLevel),
           fromLevel(around(bolt, 8), 2.5)};
 }
 
@@ -31,64 +37,98 @@ Parts flangeParts(double radiusM) {
 class RunBuilder {
  public:
   RunBuilder(Plant& plant, GroupId parent, const PipeRun& run)
-      : plant_(plant), run_(run), group_(plant.model.group(parent, run.name, at(run.path.front()))) {}
+      : plant_(plant), run_(run), group_(plant.model.group(parent, run.name, at(run.path.front()))) {
+    // Short legs get tighter bends.
+    const std::size_t legs = run.path.size() - 1;
+    for (std::size_t i = 0; i < legs; ++i) {
+      const double lengthM = (run.path[i + 1] - run.path[i]).norm();
+      const bool bendsTwice = i > 0 && i + 1 < legs;
+      bendRadiusM_ = std::min(bendRadiusM_, lengthM * (bendsTwice ? 0.48 : 0.96));
+    }
+    radial_ = legs > 1 ? Vec3(-bendSide(0)) : Vec3(yTo(directionOf(0)) * Vec3::UnitX());
+  }
 
   void build() {
     Vec3 start = Vec3::Zero();
-    for (std::size_t i = 0; i + 1 < run_.path.size(); ++i) {
+    const std::size_t legs = run_.path.size() - 1;
+    for (std::size_t i = 0; i < legs; ++i) {
       const Vec3 direction = directionOf(i);
+      const bool last = i + 1 == legs;
       Vec3 end = run_.path[i + 1] - run_.path.front();
-      const bool bends = i + 2 < run_.path.size();
-      if (bends) end -= direction * cutBack(i);
-      if (i == 0 && run_.endFlanges) flange(start, direction);
-      straight(start, end);
+      if (!last) end -= direction * cutBack(i);
+      if (i == 0 && run_.endFlanges) flange(start, direction, true);
+      straight({.start = start,
+                .end = end,
+                .openStart = i > 0 || run_.endFlanges,
+                .openEnd = !last || run_.endFlanges});
       if (std::count(run_.valvesOn.begin(), run_.valvesOn.end(), i) != 0) valve(start, end, direction);
-      if (bends) {
+      if (!last) {
         elbow(end, i);
         start = end + (direction + directionOf(i + 1)) * cutBack(i);
       } else if (run_.endFlanges) {
-        flange(end, direction);
+        flange(end, direction, true);
       }
     }
   }
 
  private:
-  [[nodiscard]] Vec3 directionOf(std::size_t i) const { return (run_.path[i + 1] - run_.path[i]).normalized(); }
+  struct Straight {
+    Vec3 start, end;
+    bool openStart = true, openEnd = true;
+  };
+
+  [[nodiscard]] Vec3 directionOf(std::size_t i) const {
+    return (run_.path[i + 1] - run_.path[i]).normalized();
+  }
   [[nodiscard]] double cutBack(std::size_t i) const {
     const Vec3 before = directionOf(i);
     const Vec3 after = directionOf(i + 1);
-    return kBend * run_.radiusM * before.cross(after).norm() / (1 + before.dot(after));
+    return bendRadiusM_ * before.cross(after).norm() / (1 + before.dot(after));
+  }
+  /// Towards the centre of the bend after straight i.
+  [[nodiscard]] Vec3 bendSide(std::size_t i) const {
+    const Vec3 before = directionOf(i);
+    const Vec3 after = directionOf(i + 1);
+    return (after - before * before.dot(after)).normalized();
   }
 
-  void straight(const Vec3& start, const Vec3& end) {
-    const double lengthM = (end - start).norm();
-    if (lengthM < 0.02) return;
-    const Vec3 direction = (end - start) / lengthM;
+  void straight(const Straight& piece) {
+    const double lengthM = (piece.end - piece.start).norm();
+    const Vec3 direction = (piece.end - piece.start) / lengthM;
     const auto spools = static_cast<std::uint32_t>(std::max(1.0, std::ceil(lengthM / run_.spoolM)));
+    const double spoolM = lengthM / spools;
+    const double r = run_.radiusM;
     for (std::uint32_t s = 0; s < spools; ++s) {
-      const Vec3 from = start + (end - start) * (static_cast<double>(s) / spools);
+      std::vector<Curve> profile;
+      if (s == 0 && !piece.openStart) profile.push_back(line({0, 0}, {r, 0}));
+      profile.push_back(line({r, 0}, {r, spoolM}));
+      if (s + 1 == spools && !piece.openEnd) profile.push_back(line({r, spoolM}, {0, spoolM}));
+      const Vec3 from = piece.start + (piece.end - piece.start) * (static_cast<double>(s) / spools);
       plant_.model.leaf(group_, numbered("Pipe", ++pipeCount_), run_.material,
-                        {tube(Vec3::Zero(), {0, lengthM / spools, 0}, run_.radiusM)}, at(from, yTo(direction)));
-      if (s > 0) flange(from, direction);
+                        {turned(Vec3::Zero(), std::move(profile))}, at(from, fromAxes(radial_, direction)));
+      if (s > 0) flange(from, direction, false);
     }
   }
 
   void elbow(const Vec3& start, std::size_t i) {
     const Vec3 before = directionOf(i);
     const Vec3 after = directionOf(i + 1);
-    const Vec3 x = (after - before * before.dot(after)).normalized();
+    const bool isHalf = before.dot(after) > 0.1;
     const Part bend{.shape = Elbow{.pipeRadiusM = run_.radiusM,
-                                   .bendRadiusM = kBend * run_.radiusM,
-                                   .angleRad = before.dot(after) > 0.1 ? kPi / 4 : kPi / 2},
+                                   .bendRadiusM = bendRadiusM_,
+                                   .angleRad = isHalf ? kPi / 4 : kPi / 2},
                     .placement = {},
                     .repeat = {}};
+    const Vec3 side = bendSide(i);
     plant_.model.leaf(group_, numbered("Elbow", ++elbowCount_), run_.material, {bend},
-                      at(start, fromAxes(x, before)));
+                      at(start, fromAxes(side, before)));
+    // The next straight continues the elbow's vertices, so that no crack shows between them.
+    radial_ = (before - after * after.dot(before)).normalized();
   }
 
-  void flange(const Vec3& where, const Vec3& direction) {
+  void flange(const Vec3& where, const Vec3& direction, bool blind) {
     plant_.model.leaf(group_, numbered("Flange", ++flangeCount_), plant_.paint.galvanized,
-                      flangeParts(run_.radiusM), at(where, yTo(direction)));
+                      flangeParts(run_.radiusM, blind), at(where, yTo(direction)));
   }
 
   void valve(const Vec3& start, const Vec3& end, const Vec3& direction) {
@@ -100,12 +140,16 @@ class RunBuilder {
   Plant& plant_;
   const PipeRun& run_;
   GroupId group_;
+  double bendRadiusM_ = kBend * run_.radiusM;
+  Vec3 radial_;  ///< where the first vertex of the current straight's circle lies
   std::size_t pipeCount_ = 0, elbowCount_ = 0, flangeCount_ = 0;
 };
 
 }  // namespace
 
-void addPipeRun(Plant& plant, GroupId parent, const PipeRun& run) { RunBuilder(plant, parent, run).build(); }
+void addPipeRun(Plant& plant, GroupId parent, const PipeRun& run) {
+  RunBuilder(plant, parent, run).build();
+}
 
 void addValve(Plant& plant, GroupId parent, const ValveSite& site) {
   Model& model = plant.model;
@@ -116,16 +160,29 @@ void addValve(Plant& plant, GroupId parent, const ValveSite& site) {
   const double flangeM = r * 1.45 + 0.03;
   const double thickM = std::max(0.03, r * 0.3);
   const Part fineBody = turned({-halfM, 0, 0},
-                               polyline({{r, 0}, {flangeM, 0}, {flangeM, thickM}, {r * 1.1, thickM}, {r * 1.7, halfM},
-                                         {r * 1.1, 2 * halfM - thickM}, {flangeM, 2 * halfM - thickM},
-                                         {flangeM, 2 * halfM}, {r, 2 * halfM}}),
+                               polyline({{r, 0},
+                                         {flangeM, 0},
+                                         {flangeM, thickM},
+                                         {r * 1.1, thickM},
+                                         {r * 1.7, halfM},
+                                         {r * 1.1, 2 * halfM - thickM},
+                                         {flangeM, 2 * halfM - thickM},
+                                         {flangeM, 2 * halfM},
+                                         {r, 2 * halfM}}),
                                Vec3::UnitX());
-  const Part coarseBody = turned(
-      {-halfM, 0, 0}, polyline({{r, 0}, {flangeM, 0}, {r * 1.3, halfM}, {flangeM, 2 * halfM}, {r, 2 * halfM}}), Vec3::UnitX());
-  const Part fineBonnet =
-      turned({0, r, 0}, polyline({{r * 1.05, 0}, {r * 1.05, r}, {r * 1.4, r}, {r * 1.4, r * 1.4},
-                                  {r * 0.5, r * 1.4}, {r * 0.35, r * 3}, {0, r * 3}}));
-  const Part coarseBonnet = turned({0, r, 0}, polyline({{r * 1.1, 0}, {r * 1.1, r * 1.2}, {r * 0.35, r * 3}}));
+  const Part coarseBody =
+      turned({-halfM, 0, 0},
+             polyline({{r, 0}, {flangeM, 0}, {r * 1.3, halfM}, {flangeM, 2 * halfM}, {r, 2 * halfM}}),
+             Vec3::UnitX());
+  const Part fineBonnet = turned({0, r, 0}, polyline({{r * 1.05, 0},
+                                                      {r * 1.05, r},
+                                                      {r * 1.4, r},
+                                                      {r * 1.4, r * 1.4},
+                                                      {r * 0.5, r * 1.4},
+                                                      {r * 0.35, r * 3},
+                                                      {0, r * 3}}));
+  const Part coarseBonnet =
+      turned({0, r, 0}, polyline({{r * 1.1, 0}, {r * 1.1, r * 1.2}, {r * 0.35, r * 3}}));
   model.leaf(group, "Body", plant.paint.machineBlue,
              {belowLevel(coarseBody, kFineLevel), belowLevel(coarseBonnet, kFineLevel),
               fromLevel(fineBody, kFineLevel), fromLevel(fineBonnet, kFineLevel)});
@@ -133,7 +190,8 @@ void addValve(Plant& plant, GroupId parent, const ValveSite& site) {
   const double barM = 0.012 + r * 0.07;
   const double wheelY = r * 4.6;
   const Part spoke = bar({0, wheelY, 0}, {wheelM, wheelY, 0}, barM * 1.4);
-  const Part rim = exactly(around(bar(onCircle(wheelM, 0, wheelY), onCircle(wheelM, kPi / 4, wheelY), barM * 1.6), 8));
+  const Part rim =
+      exactly(around(bar(onCircle(wheelM, 0, wheelY), onCircle(wheelM, kPi / 4, wheelY), barM * 1.6), 8));
   model.leaf(group, "Handwheel", plant.paint.red,
              {belowLevel(rod({0, wheelY - barM, 0}, {0, wheelY + barM, 0}, wheelM), 0.5),
               belowLevel(fromLevel(rim, 0.5), kFineLevel),
@@ -141,7 +199,8 @@ void addValve(Plant& plant, GroupId parent, const ValveSite& site) {
               fromLevel(around(spoke, 4), 0.5), tube({0, r * 3, 0}, {0, r * 5.2, 0}, barM * 1.3)});
 }
 
-void addPump(Plant& plant, GroupId parent, const std::string& name, const Placement& placement, double sizeM) {
+void addPump(Plant& plant, GroupId parent, const std::string& name, const Placement& placement,
+             double sizeM) {
   Model& model = plant.model;
   const double s = sizeM;
   const GroupId group = model.group(parent, name, placement);
@@ -151,16 +210,17 @@ void addPump(Plant& plant, GroupId parent, const std::string& name, const Placem
               blockOn({1.2 * s, 0.25 * s, -0.3 * s}, {2.6 * s, 0.12 * s, 0.12 * s}),
               repeated(blockOn({0.2 * s, 0.25 * s, 0}, {0.2 * s, 0.3 * s, 0.5 * s}), 3, {0.9 * s, 0, 0})});
   const double axisY = 0.75 * s;
-  model.leaf(group, "Casing", plant.paint.machineBlue,
-             {turned({0.1 * s, axisY, 0},
-                     {line({0, 0}, {0.3 * s, 0}), line({0.3 * s, 0}, {0.42 * s, 0.1 * s}),
-                      arc({0.32 * s, 0.25 * s}, {0.16 * s, 0.16 * s}, -kPi / 2, kPi / 2),
-                      line({0.32 * s, 0.41 * s}, {0.16 * s, 0.6 * s}), line({0.16 * s, 0.6 * s}, {0, 0.6 * s})},
-                     Vec3::UnitX()),
-              tube({0.35 * s, axisY, 0}, {0.35 * s, 1.5 * s, 0}, 0.16 * s),
-              collar({0.35 * s, 1.44 * s, 0}, 0.0, 0.27 * s, 0.06 * s, Vec3::UnitY()),
-              tube({0.1 * s, axisY, 0}, {-0.25 * s, axisY, 0}, 0.2 * s),
-              collar({-0.25 * s, axisY, 0}, 0.0, 0.32 * s, 0.06 * s, Vec3::UnitX())});
+  model.leaf(
+      group, "Casing", plant.paint.machineBlue,
+      {turned({0.1 * s, axisY, 0},
+              {line({0, 0}, {0.3 * s, 0}), line({0.3 * s, 0}, {0.42 * s, 0.1 * s}),
+               arc({0.32 * s, 0.25 * s}, {0.16 * s, 0.16 * s}, -kPi / 2, kPi / 2),
+               line({0.32 * s, 0.41 * s}, {0.16 * s, 0.6 * s}), line({0.16 * s, 0.6 * s}, {0, 0.6 * s})},
+              Vec3::UnitX()),
+       tube({0.35 * s, axisY, 0}, {0.35 * s, 1.5 * s, 0}, 0.16 * s),
+       collar({0.35 * s, 1.44 * s, 0}, 0.0, 0.27 * s, 0.06 * s, Vec3::UnitY()),
+       tube({0.1 * s, axisY, 0}, {-0.25 * s, axisY, 0}, 0.2 * s),
+       collar({-0.25 * s, axisY, 0}, 0.0, 0.32 * s, 0.06 * s, Vec3::UnitX())});
   model.leaf(group, "Coupling guard", plant.paint.railing,
              {rod({0.68 * s, axisY, 0}, {1.15 * s, axisY, 0}, 0.14 * s)});
   model.leaf(group, "Motor", plant.paint.machine,
@@ -176,8 +236,8 @@ void addCabinets(Plant& plant, GroupId parent, const Placement& placement, std::
     const double heightM = plant.random.between(1.8, 2.2);
     plant.model.leaf(group, numbered("Cabinet", i + 1), plant.paint.cabinet,
                      {blockOn({0, 0, 0}, {0.9, 0.1, 0.55}), blockOn({0, 0.1, 0}, {0.96, heightM - 0.1, 0.6}),
-                      box({-0.42, 0.2, 0.3}, {0.42, heightM - 0.1, 0.33}),
-                      box({0.3, heightM / 2, 0.33}, {0.35, heightM / 2 + 0.2, 0.37})},
+                      fromLevel(box({-0.42, 0.2, 0.3}, {0.42, heightM - 0.1, 0.33}), 0.25),
+                      fromLevel(box({0.3, heightM / 2, 0.33}, {0.35, heightM / 2 + 0.2, 0.37}), 0.8)},
                      at(1.0 * i, 0, 0));
   }
 }
@@ -195,7 +255,8 @@ void addPlatform(Plant& plant, GroupId parent, const std::string& name, const Pl
   if (platform.east) append(rails, railing({x - 0.05, 0, 0}, {x - 0.05, 0, z}));
   if (!rails.empty()) plant.model.leaf(group, "Railing", plant.paint.railing, std::move(rails));
   plant.model.leaf(group, "Joists", plant.paint.steel,
-                   {beam({0, -0.25, 0.1}, {x, -0.25, 0.1}, 0.2, 0.12), beam({0, -0.25, z - 0.1}, {x, -0.25, z - 0.1}, 0.2, 0.12)});
+                   {beam({0, -0.25, 0.1}, {x, -0.25, 0.1}, 0.2, 0.12),
+                    beam({0, -0.25, z - 0.1}, {x, -0.25, z - 0.1}, 0.2, 0.12)});
 }
 
 }  // namespace tessera::synthetic

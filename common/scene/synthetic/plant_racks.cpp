@@ -9,7 +9,9 @@ namespace {
 constexpr double kBayM = 8;
 constexpr double kTierHeightsM[] = {5.2, 7.6, 10};
 
-std::string named(const char* what, std::size_t number) { return what + (' ' + std::to_string(number)); }
+std::string named(const char* what, std::size_t number) {
+  return what + (' ' + std::to_string(number));
+}
 
 /// A pipe rack along +x of its own frame; z from 0 to widthM.
 struct Rack {
@@ -59,24 +61,24 @@ void addBents(Plant& plant, GroupId rack, const Rack& spec) {
 std::vector<Vec3> rackPath(Plant& plant, const Rack& spec, double y, double z, double radiusM) {
   const double lengthM = kBayM * spec.bays;
   const double bendM = 3 * radiusM;
-  const double from = plant.random.between(0.05, 0.2) * lengthM;
-  const double to = lengthM - plant.random.between(0.05, 0.2) * lengthM;
+  const double from = plant.layout.between(0.05, 0.2) * lengthM;
+  const double to = lengthM - plant.layout.between(0.05, 0.2) * lengthM;
   const double aside = z < spec.widthM / 2 ? -1.2 - bendM : spec.widthM + 1.2 + bendM;
   std::vector<Vec3> path;
-  if (plant.random.chance(0.55)) {
+  if (plant.layout.chance(0.55)) {
     path.insert(path.end(), {Vec3(from, 0.5, aside), Vec3(from, y + 2.2 * bendM, aside),
                              Vec3(from, y + 2.2 * bendM, z), Vec3(from, y, z)});
   } else {
     path.emplace_back(-0.5, y, z);
   }
-  if (plant.random.chance(0.35) && lengthM > 80) {
+  if (plant.layout.chance(0.35) && lengthM > 80) {
     // Expansion loop: sideways would meet the neighbours, so it rises.
-    const double x = lengthM * plant.random.between(0.35, 0.65);
+    const double x = lengthM * plant.layout.between(0.35, 0.65);
     const double loopM = std::max(1.8, 2.4 * bendM);
     path.insert(path.end(), {Vec3(x, y, z), Vec3(x, y + loopM, z), Vec3(x + 1.4 * loopM, y + loopM, z),
                              Vec3(x + 1.4 * loopM, y, z)});
   }
-  if (plant.random.chance(0.55)) {
+  if (plant.layout.chance(0.55)) {
     path.insert(path.end(), {Vec3(to, y, z), Vec3(to, y + 2.2 * bendM, z), Vec3(to, y + 2.2 * bendM, aside),
                              Vec3(to, 0.5, aside)});
   } else {
@@ -97,13 +99,15 @@ void addRackPipes(Plant& plant, GroupId rack, const Rack& spec) {
       const double y = kTierHeightsM[t] + radiusM + 0.02;
       const double spread = (spec.widthM - 0.7) / spec.pipesPerTier;
       const double centerZ = 0.35 + spread * (i + 0.5);
-      addPipeRun(plant, tier, {.name = named("Line", 100 * (t + 1) + i + 1),
-                               .material = plant.pipe(kMedia[(i + 4 * t) % 9]),
-                               .radiusM = std::min(radiusM, spread * 0.38),
-                               .path = rackPath(plant, spec, y, centerZ, radiusM),
-                               .spoolM = 64,
-                               .endFlanges = true,
-                               .valvesOn = plant.random.chance(0.4) ? std::vector<std::uint32_t>{0} : std::vector<std::uint32_t>{}});
+      addPipeRun(plant, tier,
+                 {.name = named("Line", 100 * (t + 1) + i + 1),
+                  .material = plant.pipe(kMedia[(i + 4 * t) % 9]),
+                  .radiusM = std::min(radiusM, spread * 0.38),
+                  .path = rackPath(plant, spec, y, centerZ, radiusM),
+                  .spoolM = 64,
+                  .endFlanges = true,
+                  .valvesOn = plant.layout.chance(0.4) ? std::vector<std::uint32_t>{0}
+                                                       : std::vector<std::uint32_t>{}});
       z += radiusM;
     }
   }
@@ -114,12 +118,15 @@ void addTrays(Plant& plant, GroupId rack, const Rack& spec) {
   const GroupId trays = plant.model.group(rack, "Cable trays", at(0, y, 0));
   const std::uint32_t pieces = (spec.bays + 3) / 4;
   const double pieceM = kBayM * spec.bays / pieces;
-  plant.model.leaf(trays, "Brackets", plant.paint.steel, {repeated(box({-0.1, -0.15, -0.1}, {0.1, 0, spec.widthM + 0.1}), spec.bays + 1, {kBayM, 0, 0})});
+  plant.model.leaf(
+      trays, "Brackets", plant.paint.steel,
+      {repeated(box({-0.1, -0.15, -0.1}, {0.1, 0, spec.widthM + 0.1}), spec.bays + 1, {kBayM, 0, 0})});
   for (std::uint32_t i = 0; i < pieces; ++i) {
     const GroupId piece = plant.model.group(trays, named("Tray", i + 1), at(pieceM * i, 0, 0));
     plant.model.leaf(piece, "Tray", plant.paint.galvanized,
                      {box({0, 0, 0.8}, {pieceM, 0.15, 0.84}), box({0, 0, 1.76}, {pieceM, 0.15, 1.8}),
-                      repeated(box({0.2, 0, 0.84}, {0.3, 0.04, 1.76}), static_cast<std::uint32_t>(pieceM / 1.0), {1.0, 0, 0})});
+                      repeated(box({0.2, 0, 0.84}, {0.3, 0.04, 1.76}),
+                               static_cast<std::uint32_t>(pieceM / 1.0), {1.0, 0, 0})});
     plant.model.leaf(piece, "Cables", plant.paint.rubber,
                      {repeated(tube({0, 0.08, 0.95}, {pieceM, 0.08, 0.95}, 0.035), 8, {0, 0, 0.1})});
   }
@@ -136,11 +143,41 @@ void addRack(Plant& plant, GroupId area, const Rack& spec) {
 
 void addPipeRacks(Plant& plant, GroupId root) {
   const GroupId area = plant.model.group(root, "Pipe racks");
-  addRack(plant, area, {.name = "Main rack", .placement = at(-78, 0, 17.5), .bays = 28, .tiers = 3, .widthM = 8, .pipesPerTier = 6});
-  addRack(plant, area, {.name = "Boiler rack", .placement = at({22, 0, 16}, turnY(kPi / 2)), .bays = 6, .tiers = 3, .widthM = 6, .pipesPerTier = 3});
-  addRack(plant, area, {.name = "Process rack", .placement = at(-41, 0, 66), .bays = 10, .tiers = 2, .widthM = 6, .pipesPerTier = 4});
-  addRack(plant, area, {.name = "Connecting rack", .placement = at({-3, 0, 66}, turnY(kPi / 2)), .bays = 5, .tiers = 2, .widthM = 6, .pipesPerTier = 4});
-  addRack(plant, area, {.name = "Tank farm rack", .placement = at({52, 0, 92}, turnY(kPi / 2)), .bays = 8, .tiers = 2, .widthM = 4, .pipesPerTier = 3});
+  addRack(plant, area,
+          {.name = "Main rack",
+           .placement = at(-78, 0, 17.5),
+           .bays = 28,
+           .tiers = 3,
+           .widthM = 8,
+           .pipesPerTier = 6});
+  addRack(plant, area,
+          {.name = "Boiler rack",
+           .placement = at({22, 0, 16}, turnY(kPi / 2)),
+           .bays = 6,
+           .tiers = 3,
+           .widthM = 6,
+           .pipesPerTier = 3});
+  addRack(plant, area,
+          {.name = "Process rack",
+           .placement = at(-41, 0, 66),
+           .bays = 10,
+           .tiers = 2,
+           .widthM = 6,
+           .pipesPerTier = 4});
+  addRack(plant, area,
+          {.name = "Connecting rack",
+           .placement = at({-3, 0, 66}, turnY(kPi / 2)),
+           .bays = 5,
+           .tiers = 2,
+           .widthM = 6,
+           .pipesPerTier = 4});
+  addRack(plant, area,
+          {.name = "Tank farm rack",
+           .placement = at({52, 0, 92}, turnY(kPi / 2)),
+           .bays = 8,
+           .tiers = 2,
+           .widthM = 4,
+           .pipesPerTier = 3});
 }
 
 }  // namespace tessera::synthetic

@@ -58,9 +58,12 @@ void addLamps(Plant& plant, GroupId site) {
     model.leaf(group, "Head", head);
   };
   std::uint32_t number = 0;
-  for (std::uint32_t i = 0; i < 12; ++i) lamp(++number, {-138.0 + 25 * i, 0, 38.5}, kPi / 2);
-  for (std::uint32_t i = 0; i < 7; ++i) lamp(++number, {-88, 0, -90.0 + 24 * i}, 0);
-  for (std::uint32_t i = 0; i < 5; ++i) lamp(++number, {50, 0, -20.0 + 24 * i}, kPi);
+  for (std::uint32_t i = 0; i < 12; ++i)
+    lamp(++number, {-138.0 + 25 * i, 0, 38.5}, kPi / 2);
+  for (std::uint32_t i = 0; i < 7; ++i)
+    lamp(++number, {-88, 0, -90.0 + 24 * i}, 0);
+  for (std::uint32_t i = 0; i < 5; ++i)
+    lamp(++number, {50, 0, -20.0 + 24 * i}, kPi);
 }
 
 void addTree(Plant& plant, GroupId parent, std::uint32_t number, const Vec3& where) {
@@ -68,11 +71,12 @@ void addTree(Plant& plant, GroupId parent, std::uint32_t number, const Vec3& whe
   const double crownM = heightM * plant.random.between(0.22, 0.3);
   const GroupId tree = plant.model.group(parent, "Tree " + std::to_string(number), at(where));
   plant.model.leaf(tree, "Trunk", plant.paint.timber, {tube({0, 0, 0}, {0, heightM * 0.5, 0}, 0.14)});
-  plant.model.leaf(tree, "Crown", plant.paint.leaves,
-                   {turned({0, heightM * 0.62, 0}, {arc({0, 0}, {crownM, heightM * 0.38}, -kPi / 2, kPi / 2)}),
-                    fromLevel(turned({crownM * 0.4, heightM * 0.5, crownM * 0.3},
-                                     {arc({0, 0}, {crownM * 0.7, heightM * 0.22}, -kPi / 2, kPi / 2)}),
-                              1.5)});
+  plant.model.leaf(
+      tree, "Crown", plant.paint.leaves,
+      {turned({0, heightM * 0.62, 0}, {arc({0, 0}, {crownM, heightM * 0.38}, -kPi / 2, kPi / 2)}),
+       fromLevel(turned({crownM * 0.4, heightM * 0.5, crownM * 0.3},
+                        {arc({0, 0}, {crownM * 0.7, heightM * 0.22}, -kPi / 2, kPi / 2)}),
+                 1.5)});
 }
 
 void addCar(Plant& plant, GroupId parent, std::uint32_t number, const Placement& placement) {
@@ -81,7 +85,14 @@ void addCar(Plant& plant, GroupId parent, std::uint32_t number, const Placement&
   const std::uint32_t colour = colours[plant.random.index(static_cast<std::uint32_t>(colours.size()))];
   const GroupId car = model.group(parent, "Car " + std::to_string(number), placement);
   model.leaf(car, "Body", colour,
-             {prism({{-2.1, 0.3}, {2.1, 0.3}, {2.15, 0.75}, {1.2, 0.9}, {0.6, 1.4}, {-1.2, 1.42}, {-1.9, 0.95}, {-2.15, 0.85}},
+             {prism({{-2.1, 0.3},
+                     {2.1, 0.3},
+                     {2.15, 0.75},
+                     {1.2, 0.9},
+                     {0.6, 1.4},
+                     {-1.2, 1.42},
+                     {-1.9, 0.95},
+                     {-2.15, 0.85}},
                     1.7, at(0, 0, -0.85))});
   model.leaf(car, "Windows", plant.paint.glass,
              {prism({{1.12, 0.93}, {0.62, 1.32}, {-1.15, 1.34}, {-1.7, 0.95}}, 1.72, at(0, 0, -0.86))});
@@ -111,11 +122,13 @@ void addOffice(Plant& plant, GroupId site) {
   model.leaf(roof, "Plant room", plant.paint.claddingBlue, {blockOn({-8, 0.5, 0}, {9, 3, 7})});
   for (std::uint32_t i = 0; i < 3; ++i) {
     model.leaf(roof, "Chiller " + std::to_string(i + 1), plant.paint.aluminium,
-               {blockOn({0, 0.5, 0}, {3, 1.4, 2}), rod({-0.7, 1.9, 0}, {-0.7, 2.1, 0}, 0.6), rod({0.7, 1.9, 0}, {0.7, 2.1, 0}, 0.6)},
+               {blockOn({0, 0.5, 0}, {3, 1.4, 2}), rod({-0.7, 1.9, 0}, {-0.7, 2.1, 0}, 0.6),
+                rod({0.7, 1.9, 0}, {0.7, 2.1, 0}, 0.6)},
                at(4.0 + 4.5 * i, 0, 2));
   }
   model.leaf(office, "Canopy", plant.paint.steel,
-             {box({-4, 3.4, 7}, {4, 3.7, 10.5}), repeated(tube({-3.6, 0, 10}, {-3.6, 3.4, 10}, 0.1), 2, {7.2, 0, 0})});
+             {box({-4, 3.4, 7}, {4, 3.7, 10.5}),
+              repeated(tube({-3.6, 0, 10}, {-3.6, 3.4, 10}, 0.1), 2, {7.2, 0, 0})});
 }
 
 }  // namespace
@@ -138,7 +151,7 @@ void addSite(Plant& plant, GroupId root) {
               repeated(box({-1.35, 0, 13.2}, {-1.25, 0.06, 18.8}), 17, {2.7, 0, 0})});
   for (std::uint32_t i = 0; i < 22; ++i) {
     const double x = 2.7 * (i % 16);
-    if (plant.random.chance(0.2)) continue;
+    if (plant.layout.chance(0.2)) continue;
     addCar(plant, parking, i + 1, at({x, 0.05, i < 16 ? 0.0 : 16.0}, turnY(i % 3 == 0 ? kPi / 2 : -kPi / 2)));
   }
 }
@@ -147,7 +160,7 @@ void addLaydownYard(Plant& plant, GroupId root, std::uint32_t leafCount) {
   constexpr std::uint32_t kBays = 12;
   Model& model = plant.model;
   const GroupId yard = model.group(root, "Laydown yard", at(-77, 0, 42));
-  model.leaf(yard, "Pavement", plant.paint.concrete, {box({-1, 0, -2}, {33, 0.1, 54})});
+  model.leaf(yard, "Pavement", plant.paint.concrete, {box({-1, 0, -2}, {33, 0.1, 6})});
   const auto& colours = plant.paint.drums;
   GroupId row = yard;
   for (std::uint32_t i = 0; i + 1 < leafCount; ++i) {

@@ -7,7 +7,8 @@ namespace {
 
 constexpr std::uint32_t kLeaves = 3919;
 constexpr std::uint32_t kGroups = 1118;
-constexpr std::uint64_t kLeastTriangles = 150'000;
+constexpr std::uint64_t kLayoutSeed = 5037;
+constexpr std::uint64_t kLeastTriangles = 110'000;
 constexpr std::uint64_t kMostTriangles = 30'000'000;
 
 }  // namespace
@@ -50,13 +51,15 @@ Paint mixPaint(Model& model) {
   p.timber = mix("Timber", 0x9b7a52, 0.9);
   p.leaves = mix("Foliage", 0x4f7a3a, 1);
   p.waterSurface = mix("Water", 0x3f7f93, 0.1);
-  p.pipes = {mix("Steam pipe", 0xd3d6d8, 0.4), mix("Water pipe", 0x3f9a5f, 0.5), mix("Fire pipe", 0xc93a2e, 0.5),
-             mix("Gas pipe", 0xdfa92f, 0.5),   mix("Air pipe", 0x86b9dc, 0.5),   mix("Oil pipe", 0x86552f, 0.5),
+  p.pipes = {mix("Steam pipe", 0xd3d6d8, 0.4), mix("Water pipe", 0x3f9a5f, 0.5),
+             mix("Fire pipe", 0xc93a2e, 0.5),  mix("Gas pipe", 0xdfa92f, 0.5),
+             mix("Air pipe", 0x86b9dc, 0.5),   mix("Oil pipe", 0x86552f, 0.5),
              mix("Acid pipe", 0x8a68b0, 0.5),  mix("Condensate pipe", 0xa7b9b0, 0.5)};
-  p.vehicles = {mix("Car silver", 0xb9bec4, 0.3), mix("Car blue", 0x2f5597, 0.3), mix("Car red", 0xa32a2a, 0.3),
-                mix("Car white", 0xf2f2f0, 0.3), mix("Car black", 0x2b2d31, 0.3)};
-  p.drums = {mix("Drum blue", 0x2e62a8, 0.5), mix("Drum red", 0xb5402f, 0.5), mix("Drum green", 0x3f7d57, 0.5),
-             mix("Drum ochre", 0xc8923a, 0.5)};
+  p.vehicles = {mix("Car silver", 0xb9bec4, 0.3), mix("Car blue", 0x2f5597, 0.3),
+                mix("Car red", 0xa32a2a, 0.3), mix("Car white", 0xf2f2f0, 0.3),
+                mix("Car black", 0x2b2d31, 0.3)};
+  p.drums = {mix("Drum blue", 0x2e62a8, 0.5), mix("Drum red", 0xb5402f, 0.5),
+             mix("Drum green", 0x3f7d57, 0.5), mix("Drum ochre", 0xc8923a, 0.5)};
   return p;
 }
 
@@ -65,7 +68,7 @@ namespace {
 Result<std::string> makePlant(const PowerPlantOptions& options) {
   Model model("Power plant");
   const Paint paint = mixPaint(model);
-  Plant plant{std::move(model), Random(options.seed), paint};
+  Plant plant{std::move(model), Random(options.seed), Random(kLayoutSeed), paint};
   const GroupId root = plant.model.root();
   addSite(plant, root);
   addCoolingTowers(plant, root);
@@ -77,8 +80,11 @@ Result<std::string> makePlant(const PowerPlantOptions& options) {
   addProcessUnits(plant, root);
   addTankFarm(plant, root);
   addSwitchyard(plant, root);
-  addLaydownYard(plant, root, kLeaves - plant.model.leafCount());
-  if (!plant.model.splitGroupsTo(kGroups)) return runtimeError("power plant", "its groups cannot be made to count");
+  const std::uint32_t leafCount = plant.model.leafCount();
+  if (leafCount + 2 > kLeaves) return runtimeError("power plant", "its parts are too many");
+  addLaydownYard(plant, root, kLeaves - leafCount);
+  if (!plant.model.splitGroupsTo(kGroups))
+    return runtimeError("power plant", "its groups cannot be made to count");
   return plant.model.toGlb(options.triangles);
 }
 
@@ -87,8 +93,8 @@ Result<std::string> makePlant(const PowerPlantOptions& options) {
 
 Result<std::string> makePowerPlantGlb(const PowerPlantOptions& options) {
   if (options.triangles < synthetic::kLeastTriangles || options.triangles > synthetic::kMostTriangles) {
-    return inputError("power plant", "triangles must be " + std::to_string(synthetic::kLeastTriangles) + " to " +
-                                         std::to_string(synthetic::kMostTriangles));
+    return inputError("power plant", "triangles must be " + std::to_string(synthetic::kLeastTriangles) +
+                                         " to " + std::to_string(synthetic::kMostTriangles));
   }
   return synthetic::makePlant(options);
 }

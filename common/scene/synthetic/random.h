@@ -18,7 +18,8 @@ namespace tessera::synthetic {
 class Random {
  public:
   explicit Random(std::uint64_t seed) {
-    for (auto& word : state_) word = seed = mix64(seed);
+    for (auto& word : state_)
+      word = seed = mix64(seed);
   }
 
   std::uint64_t bits() {

@@ -14,7 +14,8 @@ constexpr std::uint64_t kBoxTriangles = 12;
 
 std::uint32_t segmentsOf(const Lathe& lathe, const Detail& detail) {
   double radiusM = 0;
-  for (const Curve& curve : lathe.profile) radiusM = std::max(radiusM, largestX(curve));
+  for (const Curve& curve : lathe.profile)
+    radiusM = std::max(radiusM, largestX(curve));
   return segmentsAround(radiusM, detail);
 }
 
@@ -26,9 +27,13 @@ std::uint32_t ringsOf(const Curve& curve, std::uint32_t around, const Detail& de
   return ringsAlong(lengthOf(curve), largestX(curve), detail);
 }
 
-bool onAxis(const CurvePoint& p) { return p.position.x() == 0; }
+bool onAxis(const CurvePoint& p) {
+  return p.position.x() == 0;
+}
 
-std::uint64_t count(const Box& /*box*/, const Detail& /*detail*/) { return kBoxTriangles; }
+std::uint64_t count(const Box& /*box*/, const Detail& /*detail*/) {
+  return kBoxTriangles;
+}
 
 std::uint64_t count(const Lathe& lathe, const Detail& detail) {
   const std::uint32_t around = segmentsOf(lathe, detail);
@@ -53,7 +58,8 @@ std::uint32_t piecesOf(const Curve& curve, const Detail& detail) {
 
 std::uint64_t count(const Extrusion& extrusion, const Detail& detail) {
   std::uint64_t sides = 0;
-  for (const Curve& curve : extrusion.outline) sides += piecesOf(curve, detail);
+  for (const Curve& curve : extrusion.outline)
+    sides += piecesOf(curve, detail);
   return 2 * sides + (extrusion.capped ? 2 * (sides - 2) : 0);
 }
 
@@ -64,11 +70,13 @@ std::vector<Vec2> sectionOf(const HBeam& beam, const Detail& detail) {
   if (detail.level < 0.6 * (1 + detail.dither)) return {{-x, -y}, {x, -y}, {x, y}, {-x, y}};
   const double web = beam.widthM / 24;
   const double inner = y - beam.depthM / 14;
-  return {{-x, -y}, {x, -y}, {x, -inner}, {web, -inner}, {web, inner}, {x, inner},
-          {x, y}, {-x, y}, {-x, inner}, {-web, inner}, {-web, -inner}, {-x, -inner}};
+  return {{-x, -y}, {x, -y}, {x, -inner}, {web, -inner}, {web, inner},   {x, inner},
+          {x, y},   {-x, y}, {-x, inner}, {-web, inner}, {-web, -inner}, {-x, -inner}};
 }
 
-std::uint64_t count(const HBeam& beam, const Detail& detail) { return 2 * sectionOf(beam, detail).size(); }
+std::uint64_t count(const HBeam& beam, const Detail& detail) {
+  return 2 * sectionOf(beam, detail).size();
+}
 
 void emit(const Box& box, const Detail& /*detail*/, MeshWriter& out) {
   const Vec3& a = box.min;
@@ -120,7 +128,8 @@ void emitCurve(const Curve& curve, std::uint32_t rings, const std::vector<SinCos
 std::vector<SinCos> circle(std::uint32_t around) {
   std::vector<SinCos> angles;
   angles.reserve(around + 1);
-  for (std::uint32_t j = 0; j < around; ++j) angles.push_back(sinCos(2 * kPi * j / around));
+  for (std::uint32_t j = 0; j < around; ++j)
+    angles.push_back(sinCos(2 * kPi * j / around));
   angles.push_back(angles.front());
   return angles;
 }
@@ -128,7 +137,8 @@ std::vector<SinCos> circle(std::uint32_t around) {
 void emit(const Lathe& lathe, const Detail& detail, MeshWriter& out) {
   const std::uint32_t around = segmentsOf(lathe, detail);
   const std::vector<SinCos> angles = circle(around);
-  for (const Curve& curve : lathe.profile) emitCurve(curve, ringsOf(curve, around, detail), angles, out);
+  for (const Curve& curve : lathe.profile)
+    emitCurve(curve, ringsOf(curve, around, detail), angles, out);
 }
 
 void emit(const Elbow& elbow, const Detail& detail, MeshWriter& out) {
@@ -216,7 +226,8 @@ bool isEar(const std::vector<Vec2>& points, const std::vector<std::uint32_t>& ri
 
 std::vector<std::array<std::uint32_t, 3>> triangulate(const std::vector<Vec2>& points) {
   std::vector<std::uint32_t> ring(points.size());
-  for (std::uint32_t i = 0; i < ring.size(); ++i) ring[i] = i;
+  for (std::uint32_t i = 0; i < ring.size(); ++i)
+    ring[i] = i;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::size_t start = 0;
   while (ring.size() > 2) {
@@ -252,7 +263,9 @@ Repeat thinned(const Repeat& repeat, const Detail& detail) {
   const auto wanted = static_cast<std::uint32_t>(gaps * share + detail.dither);
   const std::uint32_t kept = std::clamp(wanted, closes ? 3U : 1U, gaps);
   const double stretch = static_cast<double>(gaps) / kept;
-  return {.count = closes ? kept : kept + 1, .stepM = repeat.stepM * stretch, .turnRad = repeat.turnRad * stretch};
+  return {.count = closes ? kept : kept + 1,
+          .stepM = repeat.stepM * stretch,
+          .turnRad = repeat.turnRad * stretch};
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <variant>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "common/scene/synthetic/mesh.h"
 #include "common/scene/synthetic/placement.h"
@@ -29,7 +30,9 @@ struct Curve {
   double start = 0, stop = 1;  ///< Arc: angles. Hyperbola: heights. Line: unused
 };
 
-[[nodiscard]] inline Curve line(const Vec2& from, const Vec2& to) { return {.from = from, .to = to}; }
+[[nodiscard]] inline Curve line(const Vec2& from, const Vec2& to) {
+  return {.from = from, .to = to};
+}
 [[nodiscard]] Curve arc(const Vec2& center, const Vec2& halfAxes, double startRad, double stopRad);
 /// radius(y) = waist * sqrt(1 + ((y - waistHeight) / slopeLength)^2), from one height to another.
 [[nodiscard]] Curve hyperbola(const Vec2& waist, double slopeLengthM, double startY, double stopY);

@@ -21,15 +21,21 @@ struct SinCos {
   const double y = x * x;
   double s = 0;
   double c = 0;
-  for (int k = 17; k >= 3; k -= 2) s = -(1 + s) * y / (k * (k - 1));
-  for (int k = 16; k >= 2; k -= 2) c = -(1 + c) * y / (k * (k - 1));
+  for (int k = 17; k >= 3; k -= 2)
+    s = -(1 + s) * y / (k * (k - 1));
+  for (int k = 16; k >= 2; k -= 2)
+    c = -(1 + c) * y / (k * (k - 1));
   s = x * (1 + s);
   c = 1 + c;
   switch (static_cast<long long>(quadrant) & 3) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 

@@ -116,11 +116,11 @@ struct Refusal {
 };
 
 TEST(GltfRefusals, nameWhatIsWrong) {
-  const auto set = [](const char* pointer, json value) {
+  const auto set = [](const char* pointer, const json& value) {
     return [pointer, value](GltfBuilder& file) { file.json[json::json_pointer(pointer)] = value; };
   };
   const auto big = std::uint64_t{1} << 63;
-  const auto sparse = [](json part) {
+  const auto sparse = [](const json& part) {
     return [part](GltfBuilder& file) {
       json whole = {{"count", 1},
                     {"indices", {{"bufferView", 0}, {"componentType", kUByte}}},

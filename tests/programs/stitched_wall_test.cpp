@@ -1,0 +1,97 @@
+// A wall stitched from its tiles against the same wall drawn as one picture with nothing culled.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/image/picture.h"
+#include "tests/support/process.h"
+
+namespace tessera::test {
+namespace {
+
+using std::chrono::seconds;
+
+struct Case {
+  const char* name;
+  const char* scene;  ///< "made:KIND" is made by the program
+  const char* camera;
+};
+
+class StitchedWall : public ::testing::TestWithParam<Case> {
+ protected:
+  /// The scene's path; empty: it is not there.
+  std::string scene() {
+    const std::string name = GetParam().scene;
+    if (name != "made:powerplant") return sharedScene(name);
+    const std::string path = folder_ / "powerplant.glb";
+    const Outcome made = run({program("tessera"), "scene", "make", "powerplant", "--triangles", "200000", "--out", path}, seconds(60));
+    EXPECT_EQ(made.status, 0) << made.err;
+    return path;
+  }
+
+  std::vector<std::string> runArguments(const std::string& scene, const std::string& wall, const std::string& out) {
+    return {program("tessera"), "run",  "--wall",   wall,  "--scene", scene, "--camera", config(GetParam().camera),
+            "--frames",         "3",    "--out",    out};
+  }
+
+  void compareWall(const std::string& scene, const std::string& wall, const std::string& name) {
+    const std::string tiled = folder_ / ("tiled-" + name), whole = folder_ / ("whole-" + name);
+    const Outcome a = run(runArguments(scene, wall, tiled), seconds(100));
+    ASSERT_EQ(a.status, 0) << a.err;
+    std::vector<std::string> reference = runArguments(scene, wall, whole);
+    reference.insert(reference.end(), {"--untiled", "--algorithm", "none"});
+    const Outcome b = run(reference, seconds(100));
+    ASSERT_EQ(b.status, 0) << b.err;
+    for (int frame = 1; frame <= 3; ++frame) {
+      const std::string file = "/frame-00000" + std::to_string(frame) + ".png";
+      const auto stitched = readPng(tiled + file), expected = readPng(whole + file);
+      ASSERT_TRUE(stitched) << stitched.error().text();
+      ASSERT_TRUE(expected) << expected.error().text();
+      const auto difference = compare(*stitched, *expected);
+      ASSERT_TRUE(difference) << difference.error().text();
+      EXPECT_LE(static_cast<double>(difference->differing), 0.0005 * static_cast<double>(difference->pixels))
+          << GetParam().name << " " << name << " frame " << frame;
+      EXPECT_LE(difference->differingMuch, 10U) << GetParam().name << " " << name << " frame " << frame;
+      EXPECT_GT(differentColours(*expected), 8U) << "the reference shows nothing";
+    }
+    std::ifstream in(tiled + "/report.json");
+    const auto report = nlohmann::json::parse(in);
+    for (const auto& [tile, entry] : report.at("tiles").items()) EXPECT_EQ(entry.at("frames_shown"), 3) << tile;
+  }
+
+  static std::size_t differentColours(const Picture& picture) {
+    std::set<std::uint32_t> colours;
+    for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3) {
+      colours.insert(std::uint32_t{picture.rgb[i]} << 16 | std::uint32_t{picture.rgb[i + 1]} << 8 | picture.rgb[i + 2]);
+    }
+    return colours.size();
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_P(StitchedWall, EqualsTheUntiledUnculledPicture) {
+  const std::string path = scene();
+  if (path.empty()) GTEST_SKIP() << "the folder ../shared/scenes is not there";
+  compareWall(path, folder_.write("2x2.json", R"({"grid": {"columns": 2, "rows": 2, "tile_px": [480, 270]}})"), "2x2");
+  compareWall(path, folder_.write("4x4.json", R"({"grid": {"columns": 4, "rows": 4, "tile_px": [200, 112]}})"), "4x4");
+  compareWall(path, folder_.write("3x2.json", R"({"grid": {"columns": 3, "rows": 2, "tile_px": [256, 192]}})"), "3x2");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, StitchedWall,
+    ::testing::Values(Case{"powerplant", "made:powerplant", "fly.camera.json"},
+                      Case{"munich", "city/munich.glb", "orbit.camera.json"},
+                      Case{"denhaag", "city/denhaag.glb", "fly.camera.json"},
+                      Case{"engine", "models/2CylinderEngine.glb", "orbit.camera.json"},
+                      Case{"quake", "maps/czest2ctf.glb", "fly.camera.json"},
+                      Case{"cow", "osg/cow.osgt", "orbit.camera.json"},
+                      Case{"billboards", "osg/lz.osgt", "orbit.camera.json"}),
+    [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace tessera::test
