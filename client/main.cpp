@@ -1,8 +1,8 @@
-#include <spdlog/spdlog.h>
-
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
 
 #include "client/tile_client.h"
 #include "common/base/log.h"
@@ -24,11 +24,14 @@ int main(int argc, char** argv) {
   std::string address;
   tessera::TileOptions options;
   double connectS = 10;
-  app.add_option("--connect", address, "The master's address, HOST:PORT")->required()->envname("TESSERA_CONNECT");
+  app.add_option("--connect", address, "The master's address, HOST:PORT")
+      ->required()
+      ->envname("TESSERA_CONNECT");
   app.add_option("--tile", options.tileName, "Name of the tile in the wall file, for example r0c1")
       ->required()
       ->envname("TESSERA_TILE");
-  const std::map<std::string, SurfaceKind> surfaces = {{"offscreen", SurfaceKind::Offscreen}, {"none", SurfaceKind::None}};
+  const std::map<std::string, SurfaceKind> surfaces = {{"offscreen", SurfaceKind::Offscreen},
+                                                       {"none", SurfaceKind::None}};
   app.add_option("--surface", options.surface,
                  "Where to draw: offscreen (in memory, by OSMesa) or none (all but the drawing)")
       ->transform(CLI::CheckedTransformer(surfaces, CLI::ignore_case))

@@ -1,10 +1,10 @@
 #include "client/offscreen_surface.h"
 
-#include <GL/osmesa.h>
-#include <dlfcn.h>
-
 #include <cstring>
 #include <string>
+
+#include <GL/osmesa.h>
+#include <dlfcn.h>
 
 namespace tessera {
 
@@ -31,9 +31,10 @@ class OffscreenSurface final : public Surface {
     const bool isOsMesa = ::dladdr(reinterpret_cast<void*>(&glGetString), &info) != 0 && info.dli_fname &&
                           std::strstr(info.dli_fname, "OSMesa") != nullptr;
     if (glGetString(GL_VERSION) == nullptr || !isOsMesa) {
-      return runtimeError("OSMesa",
-                          std::string("OpenGL calls go to ") + (info.dli_fname ? info.dli_fname : "nowhere") + " instead",
-                          "do not preload or link another OpenGL library");
+      return runtimeError(
+          "OSMesa",
+          std::string("OpenGL calls go to ") + (info.dli_fname ? info.dli_fname : "nowhere") + " instead",
+          "do not preload or link another OpenGL library");
     }
     return Done{};
   }
@@ -45,7 +46,8 @@ class OffscreenSurface final : public Surface {
     std::uint8_t* to = rgb.data();
     for (std::size_t row = heightPx_; row-- > 0;) {  // OSMesa's rows go up
       const std::uint8_t* from = rgba_.data() + row * widthPx_ * 4;
-      for (std::size_t x = 0; x < widthPx_; ++x, from += 4, to += 3) std::memcpy(to, from, 3);
+      for (std::size_t x = 0; x < widthPx_; ++x, from += 4, to += 3)
+        std::memcpy(to, from, 3);
     }
     return rgb;
   }
@@ -67,8 +69,16 @@ int maxOffscreenSidePx() {
 }
 
 Result<std::unique_ptr<Surface>> makeOffscreenSurface(int widthPx, int heightPx) {
-  static constexpr int attributes[] = {OSMESA_FORMAT,       OSMESA_RGBA, OSMESA_DEPTH_BITS, 24, OSMESA_STENCIL_BITS, 8,
-                                       OSMESA_ACCUM_BITS,   0,           OSMESA_PROFILE,    OSMESA_COMPAT_PROFILE,
+  static constexpr int attributes[] = {OSMESA_FORMAT,
+                                       OSMESA_RGBA,
+                                       OSMESA_DEPTH_BITS,
+                                       24,
+                                       OSMESA_STENCIL_BITS,
+                                       8,
+                                       OSMESA_ACCUM_BITS,
+                                       0,
+                                       OSMESA_PROFILE,
+                                       OSMESA_COMPAT_PROFILE,
                                        0};
   if (OSMesaContext context = OSMesaCreateContextAttribs(attributes, nullptr)) {
     return std::unique_ptr<Surface>(std::make_unique<OffscreenSurface>(context, widthPx, heightPx));

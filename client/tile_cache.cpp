@@ -9,18 +9,27 @@ namespace {
 /// The first bytes of a hash are as good an order as any, and the same everywhere.
 std::uint32_t rankOf(const proto::Sha256& id) {
   std::uint32_t rank = 0;
-  for (int i = 0; i < 4; ++i) rank = rank << 8 | id[static_cast<std::size_t>(i)];
+  for (int i = 0; i < 4; ++i)
+    rank = rank << 8 | id[static_cast<std::size_t>(i)];
   return rank;
 }
 
-osg::Vec3d toOsg(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+osg::Vec3d toOsg(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 osg::ref_ptr<osg::Billboard> billboardOf(const proto::LeafBillboard& from) {
   osg::ref_ptr<osg::Billboard> billboard = new osg::Billboard;
   switch (from.mode) {
-    case proto::BillboardMode::PointRotEye: billboard->setMode(osg::Billboard::POINT_ROT_EYE); break;
-    case proto::BillboardMode::PointRotWorld: billboard->setMode(osg::Billboard::POINT_ROT_WORLD); break;
-    case proto::BillboardMode::AxialRot: billboard->setMode(osg::Billboard::AXIAL_ROT); break;
+    case proto::BillboardMode::PointRotEye:
+      billboard->setMode(osg::Billboard::POINT_ROT_EYE);
+      break;
+    case proto::BillboardMode::PointRotWorld:
+      billboard->setMode(osg::Billboard::POINT_ROT_WORLD);
+      break;
+    case proto::BillboardMode::AxialRot:
+      billboard->setMode(osg::Billboard::AXIAL_ROT);
+      break;
   }
   billboard->setAxis(toOsg(from.axis));
   billboard->setNormal(toOsg(from.normal));
@@ -74,10 +83,12 @@ Status TileCache::addAsset(const proto::Asset& asset) {
 Status TileCache::add(const proto::Leaves& message, std::uint32_t leafCount) {
   for (const proto::LeafRecord& record : message.leaves) {
     const std::string name = "leaf " + std::to_string(record.id);
-    if (record.id >= leafCount) return runtimeError(name, "is beyond the scene's " + std::to_string(leafCount) + " leaves");
+    if (record.id >= leafCount)
+      return runtimeError(name, "is beyond the scene's " + std::to_string(leafCount) + " leaves");
     const auto drawable = drawables_.find(AssetId{record.drawable});
     const auto state = states_.find(AssetId{record.state});
-    if (drawable == drawables_.end() || state == states_.end()) return runtimeError(name, "names an asset that was not sent");
+    if (drawable == drawables_.end() || state == states_.end())
+      return runtimeError(name, "names an asset that was not sent");
     CachedLeaf& leaf = leaves_[record.id];
     leaf.drawable = drawable->second;
     leaf.state = state->second;

@@ -1,15 +1,15 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
 #include <osg/Billboard>
 #include <osg/Drawable>
 #include <osg/Image>
 #include <osg/Matrixd>
 #include <osg/StateSet>
-
-#include <cstdint>
-#include <optional>
-#include <unordered_map>
-#include <vector>
 
 #include "common/assets/asset_id.h"
 #include "common/base/result.h"

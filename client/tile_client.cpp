@@ -1,9 +1,9 @@
 #include "client/tile_client.h"
 
+#include <optional>
+
 #include <spdlog/spdlog.h>
 #include <unistd.h>
-
-#include <optional>
 
 #include "client/offscreen_surface.h"
 #include "client/tile_cache.h"
@@ -54,7 +54,8 @@ class TileConversation {
       Status status = decoded ? std::visit([this](const auto& m) { return handle(m); }, *decoded)
                               : Status(decoded.error());
       if (!status) {
-        master_->send(proto::encode(proto::ErrorMessage{proto::ErrorCode::ProtocolViolation, status.error().text()}));
+        master_->send(
+            proto::encode(proto::ErrorMessage{proto::ErrorCode::ProtocolViolation, status.error().text()}));
         co_return status;
       }
     }
@@ -69,16 +70,19 @@ class TileConversation {
     const std::string name = "frame " + std::to_string(frame.frame);
     if (frame.frame <= frame_) return runtimeError(name, "comes after frame " + std::to_string(frame_));
     // The list of the last frame is the only one that was acknowledged last.
-    if (frame.baseFrame != 0 && frame.baseFrame != frame_) return runtimeError(name, "builds on a list that is not here");
+    if (frame.baseFrame != 0 && frame.baseFrame != frame_)
+      return runtimeError(name, "builds on a list that is not here");
     if (frame.baseFrame == 0) list_.clear();
-    if (Status status = proto::applyListDeltaInto(list_, frame.toggles, welcome_.leafCount, nextList_); !status) {
+    if (Status status = proto::applyListDeltaInto(list_, frame.toggles, welcome_.leafCount, nextList_);
+        !status) {
       return status;
     }
     std::swap(list_, nextList_);
     if (leafCount(list_) != frame.listLeafCount) return runtimeError(name, "has a list of the wrong length");
     for (const LeafRange range : list_) {
       for (std::uint32_t leaf = range.first; leaf != range.last; ++leaf) {
-        if (!cache_.has(leaf)) return runtimeError(name, "lists leaf " + std::to_string(leaf) + ", which was not sent");
+        if (!cache_.has(leaf))
+          return runtimeError(name, "lists leaf " + std::to_string(leaf) + ", which was not sent");
       }
     }
     frame_ = frame.frame;
@@ -122,7 +126,9 @@ class TileConversation {
     return Done{};
   }
 
-  Status handle(const proto::ErrorMessage& error) { return runtimeError("master " + master_->peer(), error.text); }
+  Status handle(const proto::ErrorMessage& error) {
+    return runtimeError("master " + master_->peer(), error.text);
+  }
 
   // The connection lets no other type through.
   template <class Other>

@@ -1,14 +1,14 @@
 #include "client/tile_view.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include <Eigen/Geometry>
 #include <osg/Depth>
 #include <osg/Light>
 #include <osg/LightModel>
 #include <osg/Material>
 #include <osgUtil/CullVisitor>
-
-#include <algorithm>
-#include <tuple>
 
 namespace tessera {
 
@@ -21,7 +21,8 @@ osg::Matrixd toOsg(const Mat4& m) {
 }
 
 /// A light from a direction of the world (y up); the same for all tiles, so that seams do not show.
-osg::ref_ptr<osg::Light> directionalLight(int number, const osg::Vec3& to, const osg::Vec4& diffuse, float specular) {
+osg::ref_ptr<osg::Light> directionalLight(int number, const osg::Vec3& to, const osg::Vec4& diffuse,
+                                          float specular) {
   osg::ref_ptr<osg::Light> light = new osg::Light(static_cast<unsigned int>(number));
   osg::Vec3 direction = to;
   direction.normalize();
@@ -54,8 +55,8 @@ osg::ref_ptr<osg::StateSet> defaultState() {
 }  // namespace
 
 /// The visible leaves as one node of the scene graph. Its traversal hands each leaf straight to the cull
-/// visitor's render bins, ordered by state and then by id: an order that does not depend on which other leaves
-/// a tile sees, so that surfaces which coincide are resolved alike on all tiles.
+/// visitor's render bins, ordered by state and then by id: an order that does not depend on which other
+/// leaves a tile sees, so that surfaces which coincide are resolved alike on all tiles.
 class LeafListNode : public osg::Node {
  public:
   LeafListNode() {
@@ -125,7 +126,8 @@ class LeafListNode : public osg::Node {
   Mat3 rotation_ = Mat3::Identity();
 };
 
-TileView::TileView(int widthPx, int heightPx, const std::array<float, 3>& backgroundRgb) : leaves_(new LeafListNode) {
+TileView::TileView(int widthPx, int heightPx, const std::array<float, 3>& backgroundRgb)
+    : leaves_(new LeafListNode) {
   viewer_.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
   viewer_.setUseConfigureAffinity(false);  // else every tile process would pin itself to the same core
   viewer_.setUpViewerAsEmbeddedInWindow(0, 0, widthPx, heightPx);
@@ -141,7 +143,9 @@ TileView::TileView(int widthPx, int heightPx, const std::array<float, 3>& backgr
 
 TileView::~TileView() = default;
 
-void TileView::setList(const VisibleList& list, const TileCache& cache) { leaves_->setList(list, cache); }
+void TileView::setList(const VisibleList& list, const TileCache& cache) {
+  leaves_->setList(list, cache);
+}
 
 void TileView::draw(const proto::Frame& frame) {
   Mat3 rotation;

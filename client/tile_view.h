@@ -1,9 +1,9 @@
 #pragma once
 
-#include <osgViewer/Viewer>
-
 #include <cstdint>
 #include <memory>
+
+#include <osgViewer/Viewer>
 
 #include "client/surface.h"
 #include "client/tile_cache.h"
@@ -13,11 +13,11 @@ namespace tessera {
 
 class LeafListNode;
 
-/// Draws exactly the leaves of a list, seen through one frustum, into the surface that is current. OpenSceneGraph
-/// does the drawing but none of the culling.
+/// Draws exactly the leaves of a list, seen through one frustum, into the surface that is current.
+/// OpenSceneGraph does the drawing but none of the culling.
 ///
-/// Modelview matrices are composed in double relative to the eye, R (A | t - eye), so that a scene far from the
-/// origin is drawn as steadily as one at it.
+/// Modelview matrices are composed in double relative to the eye, R (A | t - eye), so that a scene far from
+/// the origin is drawn as steadily as one at it.
 class TileView {
  public:
   TileView(int widthPx, int heightPx, const std::array<float, 3>& backgroundRgb);

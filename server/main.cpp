@@ -1,8 +1,8 @@
-#include <spdlog/spdlog.h>
-
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
 
 #include "common/base/log.h"
 #include "server/commands/commands.h"

@@ -1,8 +1,8 @@
 #include "common/assets/asset_store.h"
 
-#include <openssl/sha.h>
-
 #include <utility>
+
+#include <openssl/sha.h>
 
 namespace tessera {
 

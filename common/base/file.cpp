@@ -1,11 +1,11 @@
 #include "common/base/file.h"
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <system_error>
+
+#include <unistd.h>
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
 #include "common/base/host.h"
 
-#include <sys/resource.h>
-
 #include <chrono>
 #include <fstream>
+
+#include <sys/resource.h>
 
 namespace tessera {
 
@@ -17,7 +17,8 @@ std::string hostClockId() {
 }
 
 std::int64_t monotonicNs() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 

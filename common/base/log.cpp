@@ -1,9 +1,9 @@
 #include "common/base/log.h"
 
-#include <spdlog/sinks/stdout_sinks.h>
-
 #include <cstdlib>
 #include <memory>
+
+#include <spdlog/sinks/stdout_sinks.h>
 
 namespace tessera {
 

@@ -14,14 +14,16 @@ struct SphereView : RelativeSphere {
       : RelativeSphere(oh.sphere(node), eye) {}
 };
 struct AabbView : RelativeAabb {
-  AabbView(const ObjectHierarchy& oh, std::uint32_t node, const Vec3& eye) : RelativeAabb(oh.aabb(node), eye) {}
+  AabbView(const ObjectHierarchy& oh, std::uint32_t node, const Vec3& eye)
+      : RelativeAabb(oh.aabb(node), eye) {}
 };
 struct ObbView : RelativeObb {
   ObbView(const ObjectHierarchy& oh, std::uint32_t node, const Vec3& eye) : RelativeObb(oh.obb(node), eye) {}
 };
 
 constexpr std::array kAlgorithms = {std::pair{Algorithm::None, "none"}, std::pair{Algorithm::Naive, "naive"},
-                                    std::pair{Algorithm::Oh, "oh"}, std::pair{Algorithm::Adaptive, "adaptive"}};
+                                    std::pair{Algorithm::Oh, "oh"},
+                                    std::pair{Algorithm::Adaptive, "adaptive"}};
 constexpr std::array kBounds = {std::pair{BoundsKind::Sphere, "sphere"}, std::pair{BoundsKind::Aabb, "aabb"},
                                 std::pair{BoundsKind::Obb, "obb"}};
 
@@ -42,9 +44,9 @@ std::string_view findName(const Table& table, typename Table::value_type::first_
   return "?";
 }
 
-/// The sides of the primary frustum that still bound the half of `frustum` on one side of its bisection; the other
-/// side is replaced by the bisection plane itself. Sides are numbered as the frustum's corners: bottom, right, top,
-/// left.
+/// The sides of the primary frustum that still bound the half of `frustum` on one side of its bisection; the
+/// other side is replaced by the bisection plane itself. Sides are numbered as the frustum's corners: bottom,
+/// right, top, left.
 std::uint32_t relevantSides(const FrustumHierarchy& frusta, std::uint32_t frustum, bool positive) {
   const FrustumHierarchy::Node& negativeHalf = frusta.node(frusta.node(frustum).negative);
   const FrustumHierarchy::Node& positiveHalf = frusta.node(frusta.node(frustum).positive);
@@ -56,24 +58,40 @@ std::uint32_t relevantSides(const FrustumHierarchy& frusta, std::uint32_t frustu
 
 }  // namespace
 
-std::optional<Algorithm> algorithmFromName(std::string_view name) { return findByName(kAlgorithms, name); }
-std::optional<BoundsKind> boundsFromName(std::string_view name) { return findByName(kBounds, name); }
-std::string_view nameOf(Algorithm algorithm) { return findName(kAlgorithms, algorithm); }
-std::string_view nameOf(BoundsKind bounds) { return findName(kBounds, bounds); }
+std::optional<Algorithm> algorithmFromName(std::string_view name) {
+  return findByName(kAlgorithms, name);
+}
+std::optional<BoundsKind> boundsFromName(std::string_view name) {
+  return findByName(kBounds, name);
+}
+std::string_view nameOf(Algorithm algorithm) {
+  return findName(kAlgorithms, algorithm);
+}
+std::string_view nameOf(BoundsKind bounds) {
+  return findName(kBounds, bounds);
+}
 
 const Result& Culler::cull(const FrustumHierarchy& frusta) {
   result_.lists.resize(frusta.tileCount());
-  for (VisibleList& list : result_.lists) list.clear();
+  for (VisibleList& list : result_.lists)
+    list.clear();
   result_.planeTests = 0;
   if (!scene_->empty()) {
     switch (options_.bounds) {
-      case BoundsKind::Sphere: run<SphereView>(frusta); break;
-      case BoundsKind::Aabb: run<AabbView>(frusta); break;
-      case BoundsKind::Obb: run<ObbView>(frusta); break;
+      case BoundsKind::Sphere:
+        run<SphereView>(frusta);
+        break;
+      case BoundsKind::Aabb:
+        run<AabbView>(frusta);
+        break;
+      case BoundsKind::Obb:
+        run<ObbView>(frusta);
+        break;
     }
   }
   result_.pairs = 0;
-  for (const VisibleList& list : result_.lists) result_.pairs += leafCount(list);
+  for (const VisibleList& list : result_.lists)
+    result_.pairs += leafCount(list);
   return result_;
 }
 
@@ -81,16 +99,23 @@ template <class View>
 void Culler::run(const FrustumHierarchy& frusta) {
   switch (options_.algorithm) {
     case Algorithm::None:
-      for (VisibleList& list : result_.lists) appendRange(list, {0, scene_->leafCount()});
+      for (VisibleList& list : result_.lists)
+        appendRange(list, {0, scene_->leafCount()});
       break;
-    case Algorithm::Naive: cullNaive<View>(frusta); break;
-    case Algorithm::Oh: cullOh<View>(frusta); break;
-    case Algorithm::Adaptive: cullAdaptive<View>(frusta); break;
+    case Algorithm::Naive:
+      cullNaive<View>(frusta);
+      break;
+    case Algorithm::Oh:
+      cullOh<View>(frusta);
+      break;
+    case Algorithm::Adaptive:
+      cullAdaptive<View>(frusta);
+      break;
   }
 }
 
-/// Tests the planes of `mask`. False: outside. Planes that the bound is wholly inside of leave the mask: nothing
-/// below the node can be outside of them (plane masking, Assarsson and Moeller 2000).
+/// Tests the planes of `mask`. False: outside. Planes that the bound is wholly inside of leave the mask:
+/// nothing below the node can be outside of them (plane masking, Assarsson and Moeller 2000).
 template <class View>
 bool Culler::testPlanes(const View& bounds, const FrustumPlanes& planes, std::uint32_t& mask) {
   for (std::uint32_t p = 0; p < planes.count; ++p) {
@@ -135,8 +160,9 @@ void Culler::cullOh(const FrustumHierarchy& frusta) {
 
 template <class View>
 void Culler::cullAdaptive(const FrustumHierarchy& frusta) {
-  // A tile's sides are sides of the wall or bisection planes on its path, so a node that arrives at the end of
-  // FH has met them all: it is uncut by the bisections, and `mask` holds what is left of the primary frustum.
+  // A tile's sides are sides of the wall or bisection planes on its path, so a node that arrives at the end
+  // of FH has met them all: it is uncut by the bisections, and `mask` holds what is left of the primary
+  // frustum.
   tasks_.assign(1, {0, 0, frusta.primary().all()});
   while (!tasks_.empty()) {
     Task task = tasks_.back();

@@ -11,8 +11,8 @@
 
 namespace tessera::cull {
 
-/// How the object hierarchy (OH, n leaves) is culled to the frustum hierarchy (FH, m tiles). Sources: Nirnimesh,
-/// Harish, Narayanan 2006, section 4.2.
+/// How the object hierarchy (OH, n leaves) is culled to the frustum hierarchy (FH, m tiles). Sources:
+/// Nirnimesh, Harish, Narayanan 2006, section 4.2.
 enum class Algorithm {
   None,      ///< everything on every tile: the reference for pictures
   Naive,     ///< every leaf against every tile, O(mn)

@@ -1,7 +1,8 @@
 #include "common/geometry/bounded_plane.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
+
+#include <Eigen/Geometry>
 
 namespace tessera {
 
@@ -33,6 +34,8 @@ BoundedPlane planeThroughEye(const Vec3& a, const Vec3& b) {
   return plane;
 }
 
-void widen(BoundedPlane& plane, double angle) { plane.errorPerUnit += Vec3::Constant(angle); }
+void widen(BoundedPlane& plane, double angle) {
+  plane.errorPerUnit += Vec3::Constant(angle);
+}
 
 }  // namespace tessera

@@ -21,9 +21,9 @@ namespace tessera {
 /// Derivation, u = 2^-53, for a plane through the eye and two corners A, B: a = fl(A - eye) and
 /// b = fl(B - eye) err by u per component, the products of the cross product by 3u, its difference by one
 /// more, so component i of the normal errs by at most 4u(1+O(u)) m_i with m_i = |a_j b_k| + |a_k b_j|; 6u m_i
-/// is kept. Testing a box with centre c: d = fl(c - eye) errs by u|d|, a dot product of three by 3u of the sum
-/// of its absolute terms, the radius sum|n.h_k| by 5u likewise, the last two sums by 2u: at most 8u|n_i| a
-/// component of |d| + sum|h_k|; 12u|n_i| is kept, which also covers rounding in the bound itself.
+/// is kept. Testing a box with centre c: d = fl(c - eye) errs by u|d|, a dot product of three by 3u of the
+/// sum of its absolute terms, the radius sum|n.h_k| by 5u likewise, the last two sums by 2u: at most 8u|n_i|
+/// a component of |d| + sum|h_k|; 12u|n_i| is kept, which also covers rounding in the bound itself.
 struct BoundedPlane {
   Vec3 normal = Vec3::Zero();
   double distance = 0;
@@ -42,9 +42,9 @@ void widen(BoundedPlane& plane, double angle);
 
 /// Bounds of one node relative to the eye, in the form in which planes test them.
 struct RelativeObb {
-  Vec3 d;                       ///< centre - eye
+  Vec3 d;  ///< centre - eye
   std::array<Vec3, 3> halfAxes;
-  Vec3 magnitude;               ///< |d| + sum|h_k|
+  Vec3 magnitude;  ///< |d| + sum|h_k|
 
   RelativeObb(const Obb& box, const Vec3& eye)
       : d(box.center - eye),
@@ -76,7 +76,9 @@ struct RelativeSphere {
 
   RelativeSphere(const Sphere& s, const Vec3& eye)
       : d(s.center - eye), sphereRadius(s.radius), magnitude(d.cwiseAbs() + Vec3::Constant(s.radius)) {}
-  [[nodiscard]] double radius(const Vec3& n) const { return n.norm() * sphereRadius * (1 + 8 * kUnitRoundoff); }
+  [[nodiscard]] double radius(const Vec3& n) const {
+    return n.norm() * sphereRadius * (1 + 8 * kUnitRoundoff);
+  }
 };
 
 /// Where a closed bound lies. Outside is certain; so is Inside; what cannot be told is Intersecting. NaN

@@ -1,8 +1,9 @@
 #include "common/geometry/box.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Eigenvalues>
 
 namespace tessera {
 
@@ -51,20 +52,23 @@ Obb Obb::fromAabb(const Aabb& box) {
   obb.center = box.center();
   // Both differences are rounded up, so that center +- half covers [min, max] although center is rounded.
   const Vec3 half = nextUp((box.max - obb.center).cwiseMax(obb.center - box.min));
-  for (int k = 0; k < 3; ++k) obb.halfAxes[static_cast<std::size_t>(k)] = half[k] * Vec3::Unit(k);
+  for (int k = 0; k < 3; ++k)
+    obb.halfAxes[static_cast<std::size_t>(k)] = half[k] * Vec3::Unit(k);
   return obb;
 }
 
 Aabb aabbOf(std::span<const Vec3> points, const Vec3& margin) {
   Aabb box;
-  for (const Vec3& p : points) box.extend(p);
+  for (const Vec3& p : points)
+    box.extend(p);
   box.inflate(margin);
   return box;
 }
 
 Sphere sphereOf(std::span<const Vec3> points, const Vec3& center, const Vec3& margin) {
   double reach = 0;
-  for (const Vec3& p : points) reach = std::max(reach, (p - center).norm());
+  for (const Vec3& p : points)
+    reach = std::max(reach, (p - center).norm());
   // The norm of a rounded difference errs by less than 8 u relative; the margin is a vector added to p.
   return {center, (reach + margin.norm()) * (1 + 16 * kUnitRoundoff)};
 }
@@ -79,7 +83,8 @@ Obb pcaObbOf(std::span<const Vec3> points, const Vec3& margin) {
   // Everything below is relative to the box's centre, whose subtraction is one rounding: the magnitude of
   // world coordinates enters only through it.
   Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : points) mean += (p - middle) / static_cast<double>(points.size());
+  for (const Vec3& p : points)
+    mean += (p - middle) / static_cast<double>(points.size());
   const Mat3 axes = principalAxes(points, middle + mean, scale);
 
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;

@@ -11,6 +11,8 @@ using Mat4 = Eigen::Matrix4d;
 /// Unit roundoff of double, 2^-53: a correctly rounded operation errs by at most this factor.
 inline constexpr double kUnitRoundoff = 0x1p-53;
 
-[[nodiscard]] inline bool isFinite(const Vec3& v) { return v.allFinite(); }
+[[nodiscard]] inline bool isFinite(const Vec3& v) {
+  return v.allFinite();
+}
 
 }  // namespace tessera

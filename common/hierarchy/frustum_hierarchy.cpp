@@ -1,9 +1,10 @@
 #include "common/hierarchy/frustum_hierarchy.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <Eigen/Geometry>
 
 namespace tessera {
 
@@ -11,8 +12,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Unit normal, away from the eye, of the triangle (corner, next, previous) of an image rectangle, and a bound
-/// of its error as a vector length. Differences of camera-relative corners err by 3u of the corner.
+/// Unit normal, away from the eye, of the triangle (corner, next, previous) of an image rectangle, and a
+/// bound of its error as a vector length. Differences of camera-relative corners err by 3u of the corner.
 struct UnitNormal {
   Vec3 n = Vec3::Zero();
   double error = kInfinity;
@@ -67,13 +68,16 @@ void FrustumHierarchy::build() {
 
 void FrustumHierarchy::update(const Frustum& wall, std::span<const Frustum> tiles) {
   eye_ = wall.eye;
-  for (std::size_t i = 0; i < 4; ++i) wallCorners_[i] = wall.corners[i] - eye_;
+  for (std::size_t i = 0; i < 4; ++i)
+    wallCorners_[i] = wall.corners[i] - eye_;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
-    for (std::size_t i = 0; i < 4; ++i) tileCorners_[t][i] = tiles[t].corners[i] - eye_;
+    for (std::size_t i = 0; i < 4; ++i)
+      tileCorners_[t][i] = tiles[t].corners[i] - eye_;
   }
   measureDepths();
   proper_ = minDepth_ > 0;
-  for (std::uint32_t t = 0; t < tiles.size(); ++t) updateTile(t);
+  for (std::uint32_t t = 0; t < tiles.size(); ++t)
+    updateTile(t);
   for (std::size_t i = 0; i < 4; ++i) {
     BoundedPlane& side = primary_.planes[i];
     side = planeThroughEye(wallCorners_[i], wallCorners_[(i + 1) % 4]);
@@ -83,7 +87,8 @@ void FrustumHierarchy::update(const Frustum& wall, std::span<const Frustum> tile
     if (!nodes_[i].isLeaf()) updateBisection(i);
   }
   primary_.count = 4;
-  for (FrustumPlanes& tile : tiles_) tile.count = 4;
+  for (FrustumPlanes& tile : tiles_)
+    tile.count = 4;
   updateNearAndFar(wall);
 }
 
@@ -116,8 +121,8 @@ void FrustumHierarchy::updateTile(std::uint32_t tile) {
 
 /// How far the corners of the node's tiles stick out over the outside (sign 1: where the plane is negative)
 /// of a plane, as the angle by which the plane must be widened. The frustum of a convex tile is the cone of
-/// its corner rays, so a point p of it is a sum of l_i k_i, l_i >= 0, with sum l_i <= depth(p) / minDepth_; where
-/// every n.k_i >= -m, n.p >= -m depth(p) / minDepth_ >= -m |p| / minDepth_.
+/// its corner rays, so a point p of it is a sum of l_i k_i, l_i >= 0, with sum l_i <= depth(p) / minDepth_;
+/// where every n.k_i >= -m, n.p >= -m depth(p) / minDepth_ >= -m |p| / minDepth_.
 double FrustumHierarchy::overhang(const BoundedPlane& plane, const Node& node, double sign) const {
   if (!proper_) return kInfinity;
   double most = 0;
@@ -155,7 +160,8 @@ void FrustumHierarchy::updateNearAndFar(const Frustum& wall) {
     plane.errorPerUnit = 12 * kUnitRoundoff * axis_.cwiseAbs() + Vec3::Constant(axisError_);
     plane.errorConstant = 8 * kUnitRoundoff * std::abs(distance);
     primary_.planes[primary_.count++] = plane;
-    for (FrustumPlanes& tile : tiles_) tile.planes[tile.count++] = plane;
+    for (FrustumPlanes& tile : tiles_)
+      tile.planes[tile.count++] = plane;
   };
   if (wall.near) add(*wall.near, 1);
   if (wall.far) add(*wall.far, -1);

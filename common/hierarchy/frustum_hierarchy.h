@@ -21,8 +21,8 @@ struct FrustumPlanes {
 };
 
 /// The frustum hierarchy (FH) of a uniform grid of tiles that share one eye: a binary tree that bisects the
-/// wall by planes through the eye, along the longer side first (Nirnimesh, Harish, Narayanan 2006, section 3).
-/// Its leaves are the tiles. The topology depends on the grid alone; update() moves the planes.
+/// wall by planes through the eye, along the longer side first (Nirnimesh, Harish, Narayanan 2006, section
+/// 3). Its leaves are the tiles. The topology depends on the grid alone; update() moves the planes.
 ///
 /// Every plane carries a bound (BoundedPlane) under which "outside" means: outside the exact frustum, as
 /// defined by its doubles, of every tile on the other side. A tile's own corners are rounded, so they may
@@ -69,12 +69,12 @@ class FrustumHierarchy {
   FrustumPlanes primary_;
 
   Vec3 eye_ = Vec3::Zero();
-  Corners wallCorners_;                ///< relative to the eye, as all of the below
+  Corners wallCorners_;  ///< relative to the eye, as all of the below
   std::vector<Corners> tileCorners_;
-  Vec3 axis_ = Vec3::Zero();           ///< unit normal of the image rectangle, away from the eye
-  double axisError_ = 0;               ///< how far any tile's own normal may be from it
-  double minDepth_ = 0;                ///< of the tiles' corners along the axis
-  bool proper_ = true;                 ///< all tiles are certainly convex; else no plane but a tile's own culls
+  Vec3 axis_ = Vec3::Zero();  ///< unit normal of the image rectangle, away from the eye
+  double axisError_ = 0;      ///< how far any tile's own normal may be from it
+  double minDepth_ = 0;       ///< of the tiles' corners along the axis
+  bool proper_ = true;        ///< all tiles are certainly convex; else no plane but a tile's own culls
 };
 
 }  // namespace tessera

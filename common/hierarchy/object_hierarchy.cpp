@@ -12,7 +12,8 @@ namespace {
 Sphere enclosingSphere(const Aabb& box, std::span<const Sphere> children) {
   const Vec3 center = box.center();
   double reach = 0;
-  for (const Sphere& s : children) reach = std::max(reach, (s.center - center).norm() + s.radius);
+  for (const Sphere& s : children)
+    reach = std::max(reach, (s.center - center).norm() + s.radius);
   const double diagonal = (box.max - center).cwiseMax(center - box.min).norm();
   return {center, std::min(reach, diagonal) * (1 + 16 * kUnitRoundoff)};
 }
@@ -42,7 +43,9 @@ double ObjectHierarchy::meanBranching() const {
   return inner == 0 ? 0.0 : static_cast<double>(nodeCount() - 1) / inner;
 }
 
-ObjectHierarchyBuilder::ObjectHierarchyBuilder() { openNode(); }
+ObjectHierarchyBuilder::ObjectHierarchyBuilder() {
+  openNode();
+}
 
 void ObjectHierarchyBuilder::openNode() {
   const std::uint32_t node = oh_.nodeCount();
@@ -116,7 +119,8 @@ ObjectHierarchy ObjectHierarchyBuilder::finish() {
            {walked.aabbs_[n], walked.obbs_[n], walked.spheres_[n]});
   }
   oh_.leafNode_ = std::move(walked.leafNode_);
-  for (std::uint32_t& node : oh_.leafNode_) node = keptBefore[node];
+  for (std::uint32_t& node : oh_.leafNode_)
+    node = keptBefore[node];
   oh_.leafBegin_.push_back(oh_.leafCount());
   computeInnerBounds();
   ObjectHierarchy built = std::exchange(oh_, {});

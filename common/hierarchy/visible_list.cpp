@@ -34,7 +34,8 @@ VisibleList combine(const VisibleList& a, const VisibleList& b, Keep keep) {
 
 std::uint64_t leafCount(const VisibleList& list) {
   std::uint64_t count = 0;
-  for (const LeafRange range : list) count += range.last - range.first;
+  for (const LeafRange range : list)
+    count += range.last - range.first;
   return count;
 }
 

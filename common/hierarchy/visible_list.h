@@ -41,7 +41,8 @@ inline void appendRange(VisibleList& list, LeafRange range) {
 template <class Visit>
 void forEachLeaf(const VisibleList& list, Visit visit) {
   for (const LeafRange range : list) {
-    for (std::uint32_t leaf = range.first; leaf != range.last; ++leaf) visit(leaf);
+    for (std::uint32_t leaf = range.first; leaf != range.last; ++leaf)
+      visit(leaf);
   }
 }
 

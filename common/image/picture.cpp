@@ -1,10 +1,10 @@
 #include "common/image/picture.h"
 
-#include <png.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+
+#include <png.h>
 
 #include "common/base/file.h"
 
@@ -23,7 +23,9 @@ void appendBytes(png_structp png, png_bytep bytes, png_size_t count) {
 struct PngFailure {
   std::string what;
 };
-[[noreturn]] void failPng(png_structp, png_const_charp message) { throw PngFailure{message}; }
+[[noreturn]] void failPng(png_structp, png_const_charp message) {
+  throw PngFailure{message};
+}
 void ignorePngWarning(png_structp, png_const_charp) {}
 
 }  // namespace
@@ -32,8 +34,9 @@ void Picture::paste(int x, int y, int width, int height, std::span<const std::ui
   if (x < 0 || y < 0 || x + width > widthPx || y + height > heightPx) std::abort();
   const std::size_t rowBytes = static_cast<std::size_t>(width) * 3;
   for (int row = 0; row < height; ++row) {
-    const std::size_t to =
-        (static_cast<std::size_t>(y + row) * static_cast<std::size_t>(widthPx) + static_cast<std::size_t>(x)) * 3;
+    const std::size_t to = (static_cast<std::size_t>(y + row) * static_cast<std::size_t>(widthPx) +
+                            static_cast<std::size_t>(x)) *
+                           3;
     std::memcpy(rgb.data() + to, part.data() + static_cast<std::size_t>(row) * rowBytes, rowBytes);
   }
 }
@@ -47,8 +50,9 @@ Result<std::string> encodePng(const Picture& picture) {
     png_set_write_fn(png, &bytes, appendBytes, nullptr);
     png_set_compression_level(png, 2);
     png_set_filter(png, 0, PNG_FILTER_SUB);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(picture.widthPx), static_cast<png_uint_32>(picture.heightPx), 8,
-                 PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(picture.widthPx),
+                 static_cast<png_uint_32>(picture.heightPx), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_write_info(png, info);
     const std::size_t rowBytes = static_cast<std::size_t>(picture.widthPx) * 3;
     for (int row = 0; row < picture.heightPx; ++row) {
@@ -84,12 +88,14 @@ Result<Picture> readPng(const std::filesystem::path& path) {
 }
 
 Result<PictureDifference> compare(const Picture& a, const Picture& b) {
-  if (a.widthPx != b.widthPx || a.heightPx != b.heightPx) return inputError("", "the pictures differ in size");
+  if (a.widthPx != b.widthPx || a.heightPx != b.heightPx)
+    return inputError("", "the pictures differ in size");
   PictureDifference difference;
   difference.pixels = a.rgb.size() / 3;
   for (std::size_t i = 0; i < a.rgb.size(); i += 3) {
     int most = 0;
-    for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(int{a.rgb[i + c]} - int{b.rgb[i + c]}));
+    for (std::size_t c = 0; c < 3; ++c)
+      most = std::max(most, std::abs(int{a.rgb[i + c]} - int{b.rgb[i + c]}));
     difference.differing += most > 0 ? 1 : 0;
     difference.differingMuch += most > 8 ? 1 : 0;
     difference.largest = std::max(difference.largest, most);

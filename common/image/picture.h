@@ -18,10 +18,12 @@ struct Picture {
 
   Picture() = default;
   Picture(int width, int height)
-      : widthPx(width), heightPx(height), rgb(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3) {}
+      : widthPx(width),
+        heightPx(height),
+        rgb(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3) {}
 
-  /// Copies `part` (width x height x 3 bytes, rows from the top) with its upper left corner at (x, y). The part
-  /// must lie inside.
+  /// Copies `part` (width x height x 3 bytes, rows from the top) with its upper left corner at (x, y). The
+  /// part must lie inside.
   void paste(int x, int y, int width, int height, std::span<const std::uint8_t> part);
 };
 
@@ -32,9 +34,9 @@ struct Picture {
 
 /// How two pictures of one size differ, by the largest difference of a pixel's three channels.
 struct PictureDifference {
-  std::size_t pixels = 0;          ///< in the picture
-  std::size_t differing = 0;       ///< that differ at all
-  std::size_t differingMuch = 0;   ///< that differ by more than 8 of 255
+  std::size_t pixels = 0;         ///< in the picture
+  std::size_t differing = 0;      ///< that differ at all
+  std::size_t differingMuch = 0;  ///< that differ by more than 8 of 255
   int largest = 0;
 };
 [[nodiscard]] Result<PictureDifference> compare(const Picture& a, const Picture& b);

@@ -54,7 +54,8 @@ awaitable<error_code> Connection::readExactly(std::span<std::byte> bytes, Millis
 awaitable<Result<Message>> Connection::read(proto::Expect expect, Milliseconds deadline) {
   const auto self = shared_from_this();
   std::array<std::byte, proto::kHeaderBytes> headerBytes;
-  if (const error_code ec = co_await readExactly(headerBytes, deadline)) co_return failure(ec, "waiting for a message");
+  if (const error_code ec = co_await readExactly(headerBytes, deadline))
+    co_return failure(ec, "waiting for a message");
   auto header = proto::parseHeader(headerBytes, expect);
   if (!header) co_return Error{ErrorKind::Runtime, peer_, header.error().what, header.error().mend};
 
@@ -64,7 +65,8 @@ awaitable<Result<Message>> Connection::read(proto::Expect expect, Milliseconds d
     const std::size_t had = message.payload.size();
     message.payload.resize(std::min<std::size_t>(header->payloadBytes, had + kStretchBytes));
     const auto stretch = std::span(message.payload).subspan(had);
-    if (const error_code ec = co_await readExactly(stretch, deadline)) co_return failure(ec, "in the middle of a message");
+    if (const error_code ec = co_await readExactly(stretch, deadline))
+      co_return failure(ec, "in the middle of a message");
   }
   if (Status status = proto::checkPayload(*header, message.payload); !status) {
     co_return Error{ErrorKind::Runtime, peer_, status.error().what, status.error().mend};
@@ -77,7 +79,8 @@ void Connection::startWriter(Milliseconds deadline) {
 }
 
 // `self` keeps the connection alive while it writes.
-awaitable<void> Connection::writeQueued([[maybe_unused]] std::shared_ptr<Connection> self, Milliseconds deadline) {
+awaitable<void> Connection::writeQueued([[maybe_unused]] std::shared_ptr<Connection> self,
+                                        Milliseconds deadline) {
   while (socket_.is_open()) {
     bool last = false;
     const LazyBytes next = takeQueued(last);
@@ -176,15 +179,19 @@ Error Connection::failure(const error_code& ec, const char* doing) const {
 
 Result<HostPort> parseHostPort(const std::string& text) {
   const auto wrong = [&] {
-    return inputError(text, "is not an address of the form HOST:PORT", "for example 192.168.1.10:7400 or [::1]:7400");
+    return inputError(text, "is not an address of the form HOST:PORT",
+                      "for example 192.168.1.10:7400 or [::1]:7400");
   };
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos || colon == 0) return wrong();
   HostPort parsed{text.substr(0, colon), text.substr(colon + 1)};
-  if (parsed.host.front() == '[' && parsed.host.back() == ']') parsed.host = parsed.host.substr(1, parsed.host.size() - 2);
-  const bool digits = !parsed.port.empty() && std::all_of(parsed.port.begin(), parsed.port.end(),
-                                                          [](unsigned char c) { return c >= '0' && c <= '9'; });
-  if (!digits || parsed.port.size() > 5 || std::stoi(parsed.port) > 65535 || parsed.host.empty()) return wrong();
+  if (parsed.host.front() == '[' && parsed.host.back() == ']')
+    parsed.host = parsed.host.substr(1, parsed.host.size() - 2);
+  const bool digits =
+      !parsed.port.empty() && std::all_of(parsed.port.begin(), parsed.port.end(),
+                                          [](unsigned char c) { return c >= '0' && c <= '9'; });
+  if (!digits || parsed.port.size() > 5 || std::stoi(parsed.port) > 65535 || parsed.host.empty())
+    return wrong();
   return parsed;
 }
 
@@ -195,16 +202,18 @@ awaitable<Result<std::shared_ptr<Connection>>> connect(const HostPort& to, Milli
   auto socket = std::make_shared<tcp::socket>(executor);
   asio::steady_timer timer(executor, deadline);
   const auto late = std::make_shared<bool>(false);
-  timer.async_wait([&resolver, weak = std::weak_ptr(socket), weakLate = std::weak_ptr(late)](const error_code& ec) {
-    const auto isLate = weakLate.lock();
-    if (ec || !isLate) return;
-    *isLate = true;
-    resolver.cancel();
-    error_code ignored;
-    if (const auto open = weak.lock()) open->close(ignored);
-  });
+  timer.async_wait(
+      [&resolver, weak = std::weak_ptr(socket), weakLate = std::weak_ptr(late)](const error_code& ec) {
+        const auto isLate = weakLate.lock();
+        if (ec || !isLate) return;
+        *isLate = true;
+        resolver.cancel();
+        error_code ignored;
+        if (const auto open = weak.lock()) open->close(ignored);
+      });
   error_code ec;
-  const auto endpoints = co_await resolver.async_resolve(to.host, to.port, asio::redirect_error(asio::use_awaitable, ec));
+  const auto endpoints =
+      co_await resolver.async_resolve(to.host, to.port, asio::redirect_error(asio::use_awaitable, ec));
   if (!ec) co_await asio::async_connect(*socket, endpoints, asio::redirect_error(asio::use_awaitable, ec));
   timer.cancel();
   if (*late) co_return runtimeError(name, "no answer within " + std::to_string(deadline.count()) + " ms");
@@ -225,7 +234,8 @@ Result<tcp::acceptor> listen(asio::io_context& io, const HostPort& at) {
   if (!ec) acceptor.bind(endpoint, ec);
   if (!ec) acceptor.listen(asio::socket_base::max_listen_connections, ec);
   if (ec == asio::error::address_in_use) {
-    return inputError(name, "the port is in use", "choose another with --listen, or stop the program that holds it");
+    return inputError(name, "the port is in use",
+                      "choose another with --listen, or stop the program that holds it");
   }
   if (ec) return inputError(name, "cannot listen: " + ec.message());
   return acceptor;

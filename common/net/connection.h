@@ -31,8 +31,8 @@ using LazyBytes = std::function<std::shared_ptr<const proto::Bytes>()>;
 /// send() and close(), which any thread may call. Lives in a shared_ptr; the running operations hold it.
 ///
 /// Deadlines: each is on progress. A read or write fails when a stretch of at most 1 MiB takes longer than
-/// its deadline, so a slow peer may take long for much, but nobody can hold us with nothing. After any failure
-/// the connection is closed.
+/// its deadline, so a slow peer may take long for much, but nobody can hold us with nothing. After any
+/// failure the connection is closed.
 ///
 /// Memory: a payload is given room as it arrives, never by what its header announces.
 class Connection : public std::enable_shared_from_this<Connection> {
@@ -42,13 +42,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// "ADDRESS:PORT" of the peer.
   [[nodiscard]] const std::string& peer() const { return peer_; }
 
-  /// The next message. Errors name the peer and the reason: closed by it, deadline, or a proto::ProtocolError.
+  /// The next message. Errors name the peer and the reason: closed by it, deadline, or a
+  /// proto::ProtocolError.
   [[nodiscard]] awaitable<Result<Message>> read(proto::Expect expect, Milliseconds deadline);
 
   /// Starts sending what is queued. `deadline` is for the writes. Call once.
   void startWriter(Milliseconds deadline);
 
-  /// Queues a message behind all that send() has queued before, from whichever thread. Thread-safe. A peer with kMaxQueuedMessages unsent messages is given up.
+  /// Queues a message behind all that send() has queued before, from whichever thread. Thread-safe. A peer
+  /// with kMaxQueuedMessages unsent messages is given up.
   void send(LazyBytes message);
   void send(proto::Bytes message);
 
@@ -89,7 +91,8 @@ struct HostPort {
 [[nodiscard]] Result<HostPort> parseHostPort(const std::string& text);
 
 /// Connects within the deadline.
-[[nodiscard]] awaitable<Result<std::shared_ptr<Connection>>> connect(const HostPort& to, Milliseconds deadline);
+[[nodiscard]] awaitable<Result<std::shared_ptr<Connection>>> connect(const HostPort& to,
+                                                                     Milliseconds deadline);
 
 /// Opens a listening socket. A port in use is one clear error.
 [[nodiscard]] Result<tcp::acceptor> listen(asio::io_context& io, const HostPort& at);

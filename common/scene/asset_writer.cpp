@@ -1,10 +1,10 @@
 #include "common/scene/asset_writer.h"
 
-#include <osg/Geometry>
-#include <osg/Texture>
-
 #include <cmath>
 #include <span>
+
+#include <osg/Geometry>
+#include <osg/Texture>
 
 #include "common/scene/drawable_geometry.h"
 
@@ -13,17 +13,20 @@ namespace tessera {
 namespace {
 
 /// A box whose middle is this many times its half size away from the origin is stored relative to its middle.
-/// From 4 on the subtraction is exact in float: all vertices and the middle then share an exponent, or nearly.
+/// From 4 on the subtraction is exact in float: all vertices and the middle then share an exponent, or
+/// nearly.
 constexpr double kFarRatio = 4;
 
 Vec3 originFor(std::span<const Vec3> points) {
   Aabb box;
-  for (const Vec3& p : points) box.extend(p);
+  for (const Vec3& p : points)
+    box.extend(p);
   Vec3 origin = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {
     const double middle = 0.5 * box.min[i] + 0.5 * box.max[i];
     const double half = 0.5 * box.max[i] - 0.5 * box.min[i];
-    if (std::abs(middle) > kFarRatio * half && middle != 0) origin[i] = static_cast<double>(static_cast<float>(middle));
+    if (std::abs(middle) > kFarRatio * half && middle != 0)
+      origin[i] = static_cast<double>(static_cast<float>(middle));
   }
   return origin;
 }
@@ -34,7 +37,8 @@ osg::ref_ptr<osg::Vec3Array> relativeVertices(const osg::Array& array, const Vec
     osg::ref_ptr<osg::Vec3Array> out = new osg::Vec3Array;
     out->reserve(vertices.size());
     for (const auto& v : vertices) {
-      out->push_back(osg::Vec3(static_cast<float>(double(v[0]) - origin.x()), static_cast<float>(double(v[1]) - origin.y()),
+      out->push_back(osg::Vec3(static_cast<float>(double(v[0]) - origin.x()),
+                               static_cast<float>(double(v[1]) - origin.y()),
                                static_cast<float>(double(v[2]) - origin.z())));
     }
     return out;
@@ -90,7 +94,8 @@ Result<const WrittenDrawable*> AssetWriter::writeDrawable(const osg::Drawable& d
   }
   Result<std::string> bytes = codec_.write(*copy);
   if (!bytes) return bytes.error();
-  if (bytes->size() > kMaxAssetBytes) return inputError("", "is larger than 255 MiB; cut it into several primitives");
+  if (bytes->size() > kMaxAssetBytes)
+    return inputError("", "is larger than 255 MiB; cut it into several primitives");
   written.id = store_->add({AssetKind::Drawable, std::move(*bytes), {}});
   return &written;
 }
@@ -116,9 +121,10 @@ const osg::StateSet* AssetWriter::merged(const osg::StateSet* inherited, const o
 
 Result<AssetId> AssetWriter::writeState(const osg::StateSet* state) {
   if (const auto known = states_.find(state); known != states_.end()) return known->second;
-  osg::ref_ptr<osg::StateSet> copy =
-      state ? new osg::StateSet(*state, osg::CopyOp::DEEP_COPY_STATEATTRIBUTES | osg::CopyOp::DEEP_COPY_TEXTURES)
-            : new osg::StateSet;
+  osg::ref_ptr<osg::StateSet> copy = state
+                                         ? new osg::StateSet(*state, osg::CopyOp::DEEP_COPY_STATEATTRIBUTES |
+                                                                         osg::CopyOp::DEEP_COPY_TEXTURES)
+                                         : new osg::StateSet;
   copy->setName({});
   copy->setUserDataContainer(nullptr);
   copy->setUpdateCallback(nullptr);
@@ -136,7 +142,8 @@ Result<AssetId> AssetWriter::writeState(const osg::StateSet* state) {
 Result<std::vector<AssetId>> AssetWriter::nameImages(osg::StateSet& state) {
   std::vector<AssetId> ids;
   for (unsigned int unit = 0; unit < state.getTextureAttributeList().size(); ++unit) {
-    auto* texture = dynamic_cast<osg::Texture*>(state.getTextureAttribute(unit, osg::StateAttribute::TEXTURE));
+    auto* texture =
+        dynamic_cast<osg::Texture*>(state.getTextureAttribute(unit, osg::StateAttribute::TEXTURE));
     if (!texture) continue;
     for (unsigned int i = 0; i < texture->getNumImages(); ++i) {
       osg::Image* image = texture->getImage(i);
@@ -156,7 +163,8 @@ Result<AssetId> AssetWriter::writeImage(osg::Image& image) {
   image.setWriteHint(osg::Image::NO_PREFERENCE);
   Result<std::string> bytes = codec_.writeImage(image);
   if (!bytes) return bytes.error();
-  if (bytes->size() > kMaxAssetBytes) return inputError("", "an image is larger than 255 MiB", "make it smaller");
+  if (bytes->size() > kMaxAssetBytes)
+    return inputError("", "an image is larger than 255 MiB", "make it smaller");
   const AssetId id = store_->add({AssetKind::Image, std::move(*bytes), {}});
   image.setFileName(id.hex());
   image.setWriteHint(osg::Image::EXTERNAL_FILE);

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <osg/Drawable>
-#include <osg/StateSet>
-
 #include <map>
 #include <unordered_map>
 #include <utility>
 #include <vector>
+
+#include <osg/Drawable>
+#include <osg/StateSet>
 
 #include "common/assets/asset_store.h"
 #include "common/base/result.h"
@@ -21,7 +21,7 @@ struct WrittenDrawable {
   Vec3 origin = Vec3::Zero();  ///< local coordinates: the stored vertices are relative to it
   std::vector<Vec3> points;    ///< the vertices in use, local coordinates, full precision
   std::uint64_t triangles = 0;
-  bool isEmpty = true;         ///< there is nothing to draw
+  bool isEmpty = true;  ///< there is nothing to draw
 };
 
 /// Serializes the drawables, state sets and images of one scene into its store, each once.

@@ -1,8 +1,8 @@
 #include "common/scene/drawable_geometry.h"
 
-#include <osg/PrimitiveSet>
-
 #include <algorithm>
+
+#include <osg/PrimitiveSet>
 
 namespace tessera {
 
@@ -24,11 +24,18 @@ class PointCollector : public osg::PrimitiveFunctor {
       return;
     }
     countPrimitives(mode, static_cast<std::uint64_t>(count));
-    for (GLsizei i = 0; i < count; ++i) used_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)] = true;
+    for (GLsizei i = 0; i < count; ++i)
+      used_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)] = true;
   }
-  void drawElements(GLenum mode, GLsizei count, const GLubyte* indices) override { elements(mode, count, indices); }
-  void drawElements(GLenum mode, GLsizei count, const GLushort* indices) override { elements(mode, count, indices); }
-  void drawElements(GLenum mode, GLsizei count, const GLuint* indices) override { elements(mode, count, indices); }
+  void drawElements(GLenum mode, GLsizei count, const GLubyte* indices) override {
+    elements(mode, count, indices);
+  }
+  void drawElements(GLenum mode, GLsizei count, const GLushort* indices) override {
+    elements(mode, count, indices);
+  }
+  void drawElements(GLenum mode, GLsizei count, const GLuint* indices) override {
+    elements(mode, count, indices);
+  }
 
   /// Moves the used vertices out.
   void finish() {
@@ -68,8 +75,8 @@ class PointCollector : public osg::PrimitiveFunctor {
     for (GLsizei i = 0; i < count; ++i) {
       const std::size_t index = indices[i];
       if (index >= vertices_.size()) {
-        out.problem = "has index " + std::to_string(index) + " where there are " + std::to_string(vertices_.size()) +
-                      " vertices";
+        out.problem = "has index " + std::to_string(index) + " where there are " +
+                      std::to_string(vertices_.size()) + " vertices";
         return;
       }
       used_[index] = true;
@@ -80,13 +87,22 @@ class PointCollector : public osg::PrimitiveFunctor {
   void countPrimitives(GLenum mode, std::uint64_t count) {
     ++out.primitives;
     switch (mode) {
-      case GL_TRIANGLES: out.triangles += count / 3; break;
+      case GL_TRIANGLES:
+        out.triangles += count / 3;
+        break;
       case GL_TRIANGLE_STRIP:
       case GL_TRIANGLE_FAN:
-      case GL_POLYGON: out.triangles += count > 2 ? count - 2 : 0; break;
-      case GL_QUADS: out.triangles += count / 4 * 2; break;
-      case GL_QUAD_STRIP: out.triangles += count > 2 ? (count - 2) / 2 * 2 : 0; break;
-      default: break;
+      case GL_POLYGON:
+        out.triangles += count > 2 ? count - 2 : 0;
+        break;
+      case GL_QUADS:
+        out.triangles += count / 4 * 2;
+        break;
+      case GL_QUAD_STRIP:
+        out.triangles += count > 2 ? (count - 2) / 2 * 2 : 0;
+        break;
+      default:
+        break;
     }
   }
 

@@ -1,5 +1,8 @@
 #include "common/scene/extract.h"
 
+#include <algorithm>
+#include <set>
+
 #include <Eigen/Geometry>
 #include <osg/Billboard>
 #include <osg/Camera>
@@ -7,9 +10,6 @@
 #include <osg/LightSource>
 #include <osg/NodeVisitor>
 #include <osg/Transform>
-
-#include <algorithm>
-#include <set>
 
 #include "common/scene/asset_writer.h"
 
@@ -26,9 +26,9 @@ class ActiveChildren : public osg::NodeVisitor {
 };
 
 /// A transform from local to world with a bound of its rounding: every entry of the exact product of the
-/// chain differs from `matrix` by at most steps * 8u * `absolute`. A product of two 4x4 matrices errs by 4u of the
-/// product of the absolute values; as much again is kept for the rounding of the factors themselves, which may
-/// come from a rotation.
+/// chain differs from `matrix` by at most steps * 8u * `absolute`. A product of two 4x4 matrices errs by 4u
+/// of the product of the absolute values; as much again is kept for the rounding of the factors themselves,
+/// which may come from a rotation.
 struct WorldTransform {
   Mat4 matrix = Mat4::Identity();
   Mat4 absolute = Mat4::Identity();
@@ -48,7 +48,9 @@ Mat4 toColumnVectors(const osg::Matrixd& m) {
   return Eigen::Map<const Mat4>(m.ptr());
 }
 
-Vec3 toVec3(const osg::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 toVec3(const osg::Vec3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 class Extractor {
  public:
@@ -66,7 +68,8 @@ class Extractor {
       if (Status status = enter(visit); !status) return status;
     }
     scene_.hierarchy = builder_.finish();
-    for (const std::string& warning : warned_) scene_.warnings.push_back(warning);
+    for (const std::string& warning : warned_)
+      scene_.warnings.push_back(warning);
     return Done{};
   }
 
@@ -115,7 +118,8 @@ class Extractor {
     for (std::uint32_t i = 0; i < active.children.size(); ++i) {
       const osg::Node& child = *active.children[i];
       if (const osg::Drawable* drawable = child.asDrawable()) {
-        if (Status status = addLeaf(*drawable, node, drawableIndex++, transform, state, path); !status) return status;
+        if (Status status = addLeaf(*drawable, node, drawableIndex++, transform, state, path); !status)
+          return status;
       } else {
         push(child, transform, state, path, i);
       }
@@ -134,7 +138,8 @@ class Extractor {
     if (dynamic_cast<const osg::LightSource*>(&node)) {
       warn("the scene's own lights are left out: the wall lights all scenes alike");
     }
-    if (dynamic_cast<const osg::LOD*>(&node)) warn("of nodes with levels of detail the finest level is shown");
+    if (dynamic_cast<const osg::LOD*>(&node))
+      warn("of nodes with levels of detail the finest level is shown");
     if (const osg::Transform* transform = node.asTransform()) {
       if (transform->getReferenceFrame() != osg::Transform::RELATIVE_RF) {
         return warn("nodes with an absolute reference frame are left out");
@@ -167,7 +172,8 @@ class Extractor {
       return Done{};
     }
     const auto written = writer_.writeDrawable(drawable);
-    if (!written) return nodeError(path, "drawable " + std::to_string(drawableIndex) + " " + written.error().what);
+    if (!written)
+      return nodeError(path, "drawable " + std::to_string(drawableIndex) + " " + written.error().what);
     const WrittenDrawable& geometry = **written;
     if (geometry.isEmpty) {
       warn("drawables without any vertex are left out");
@@ -209,9 +215,15 @@ class Extractor {
   static Billboard billboardOf(const osg::Billboard& node, std::uint32_t drawableIndex) {
     Billboard billboard;
     switch (node.getMode()) {
-      case osg::Billboard::POINT_ROT_EYE: billboard.mode = Billboard::Mode::PointRotEye; break;
-      case osg::Billboard::POINT_ROT_WORLD: billboard.mode = Billboard::Mode::PointRotWorld; break;
-      default: billboard.mode = Billboard::Mode::AxialRot; break;
+      case osg::Billboard::POINT_ROT_EYE:
+        billboard.mode = Billboard::Mode::PointRotEye;
+        break;
+      case osg::Billboard::POINT_ROT_WORLD:
+        billboard.mode = Billboard::Mode::PointRotWorld;
+        break;
+      default:
+        billboard.mode = Billboard::Mode::AxialRot;
+        break;
     }
     billboard.axis = toVec3(node.getAxis());
     billboard.normal = toVec3(node.getNormal());
@@ -222,7 +234,8 @@ class Extractor {
   /// The corners of a cube that holds every turn of the points about the billboard's position.
   static std::vector<Vec3> reachOf(const std::vector<Vec3>& points, const Billboard& billboard) {
     double radius = 0;
-    for (const Vec3& p : points) radius = std::max(radius, p.norm());
+    for (const Vec3& p : points)
+      radius = std::max(radius, p.norm());
     Aabb cube;
     cube.extend(billboard.position);
     cube.inflate(Vec3::Constant(radius * (1 + 1e-12)));

@@ -6,9 +6,9 @@
 
 namespace tessera {
 
-/// Walks an imported graph in pre-order and makes of it the object hierarchy, the leaves and their assets. Only
-/// what is drawn is taken: nodes with nothing below vanish, of a Switch its active children, of a LOD its finest
-/// level. The depth of the graph is not limited by the machine stack.
+/// Walks an imported graph in pre-order and makes of it the object hierarchy, the leaves and their assets.
+/// Only what is drawn is taken: nodes with nothing below vanish, of a Switch its active children, of a LOD
+/// its finest level. The depth of the graph is not limited by the machine stack.
 [[nodiscard]] Result<Scene> extractScene(ImportedGraph graph, const std::string& source, bool isGltf);
 
 }  // namespace tessera

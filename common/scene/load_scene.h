@@ -12,7 +12,8 @@ namespace tessera {
 /// about x (said in the warnings).
 ///
 /// Refused: a missing or malformed file, NaN or infinity in vertices or matrices, a scene with nothing to
-/// draw. Stock OpenSceneGraph readers can crash on malformed files of some formats, and this process with them.
+/// draw. Stock OpenSceneGraph readers can crash on malformed files of some formats, and this process with
+/// them.
 [[nodiscard]] Result<Scene> loadScene(const std::filesystem::path& path);
 
 }  // namespace tessera

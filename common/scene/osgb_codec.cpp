@@ -1,9 +1,10 @@
 #include "common/scene/osgb_codec.h"
 
-#include <osgDB/Options>
-#include <osgDB/Registry>
 #include <sstream>
 #include <streambuf>
+
+#include <osgDB/Options>
+#include <osgDB/Registry>
 
 namespace tessera {
 
@@ -54,12 +55,14 @@ class ViewBuffer : public std::streambuf {
 
 Result<std::string> writeObject(const osg::Object& object, const osgDB::Options* options) {
   osgDB::ReaderWriter* osgb = osgDB::Registry::instance()->getReaderWriterForExtension("osgb");
-  if (!osgb) return runtimeError("OpenSceneGraph", "its osgb plugin is missing", "install the openscenegraph package's plugins");
+  if (!osgb)
+    return runtimeError("OpenSceneGraph", "its osgb plugin is missing",
+                        "install the openscenegraph package's plugins");
   std::ostringstream out(std::ios::binary);
   const auto result = osgb->writeObject(object, out, options);
   if (!result.success()) {
-    return runtimeError("", std::string("cannot serialize a ") + object.libraryName() + "::" + object.className() +
-                                " " + result.message());
+    return runtimeError("", std::string("cannot serialize a ") + object.libraryName() +
+                                "::" + object.className() + " " + result.message());
   }
   return std::move(out).str();
 }
@@ -90,7 +93,9 @@ Result<std::string> OsgbCodec::writeImage(const osg::Image& image) const {
 
 Result<osg::ref_ptr<osg::Object>> OsgbCodec::read(std::string_view bytes, const ImageByName& images) const {
   osgDB::ReaderWriter* osgb = osgDB::Registry::instance()->getReaderWriterForExtension("osgb");
-  if (!osgb) return runtimeError("OpenSceneGraph", "its osgb plugin is missing", "install the openscenegraph package's plugins");
+  if (!osgb)
+    return runtimeError("OpenSceneGraph", "its osgb plugin is missing",
+                        "install the openscenegraph package's plugins");
   ViewBuffer buffer(bytes);
   std::istream in(&buffer);
   options_->source->images = images;

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <osg/Image>
-#include <osg/Object>
-#include <osg/ref_ptr>
-
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include <osg/Image>
+#include <osg/Object>
+#include <osg/ref_ptr>
 
 #include "common/base/result.h"
 
@@ -29,7 +29,8 @@ class OsgbCodec {
 
   using ImageByName = std::function<osg::ref_ptr<osg::Image>(const std::string& name)>;
   /// `bytes` must be trusted (checked against their hash): osgDB's reader is not safe on hostile ones.
-  [[nodiscard]] Result<osg::ref_ptr<osg::Object>> read(std::string_view bytes, const ImageByName& images) const;
+  [[nodiscard]] Result<osg::ref_ptr<osg::Object>> read(std::string_view bytes,
+                                                       const ImageByName& images) const;
 
  private:
   struct Options;

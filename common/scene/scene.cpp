@@ -4,7 +4,8 @@ namespace tessera {
 
 std::uint64_t Scene::triangleCount() const {
   std::uint64_t count = 0;
-  for (const SceneLeaf& leaf : leaves) count += leaf.triangles;
+  for (const SceneLeaf& leaf : leaves)
+    count += leaf.triangles;
   return count;
 }
 

@@ -21,8 +21,8 @@ struct Billboard {
 /// Where a leaf came from in its file.
 struct LeafSource {
   std::uint32_t gltfNode = 0, gltfPrimitive = 0;  ///< glTF
-  std::vector<std::uint32_t> osgNodePath;         ///< other formats: child indices from the root; empty for glTF
-  std::uint32_t osgDrawable = 0;                  ///< ... and the index among that node's drawables
+  std::vector<std::uint32_t> osgNodePath;  ///< other formats: child indices from the root; empty for glTF
+  std::uint32_t osgDrawable = 0;           ///< ... and the index among that node's drawables
 };
 
 /// One leaf: a drawable of one node, and what is needed to draw it.

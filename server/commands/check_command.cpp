@@ -18,8 +18,8 @@ struct CheckFlags {
 Status check(const CheckFlags& flags) {
   const auto wall = flags.files.readWall();
   if (!wall) return wall.error();
-  std::printf("wall:   %d x %d tiles of %d x %d pixels, %d x %d in all\n", wall->columns, wall->rows, wall->tileWidthPx,
-              wall->tileHeightPx, wall->widthPx(), wall->heightPx());
+  std::printf("wall:   %d x %d tiles of %d x %d pixels, %d x %d in all\n", wall->columns, wall->rows,
+              wall->tileWidthPx, wall->tileHeightPx, wall->widthPx(), wall->heightPx());
   if (!flags.svg.empty()) {
     if (Status status = writeFileAtomically(flags.svg, wallSvg(*wall)); !status) return status;
     std::printf("drawn:  %s\n", flags.svg.c_str());

@@ -1,8 +1,9 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
+
+#include <nlohmann/json.hpp>
 
 #include "common/base/file.h"
 #include "common/hierarchy/frustum_hierarchy.h"
@@ -31,7 +32,8 @@ nlohmann::ordered_json spread(const Samples& samples) {
   return {{"p50", samples.percentile(50)}, {"p99", samples.percentile(99)}, {"max", samples.max()}};
 }
 
-std::string reportOf(const CullCommandFlags& flags, const Scene& scene, const Wall& wall, const Measured& measured) {
+std::string reportOf(const CullCommandFlags& flags, const Scene& scene, const Wall& wall,
+                     const Measured& measured) {
   const nlohmann::ordered_json report = {{"format", "tessera-cull"},
                                          {"version", 1},
                                          {"scene", scene.source},
@@ -75,7 +77,8 @@ Status cullScene(const CullCommandFlags& flags) {
   const Sphere& sphere = scene->sphere();
   std::uint64_t frame = 0;
   for (const double time : camera->sampleTimes(flags.frames)) {
-    const WallView view = viewOf(*wall, camera->poseAt(time, sphere.center, sphere.radius), sphere.center, sphere.radius);
+    const WallView view =
+        viewOf(*wall, camera->poseAt(time, sphere.center, sphere.radius), sphere.center, sphere.radius);
     auto start = std::chrono::steady_clock::now();
     frusta.update(view.wall, view.tiles);
     measured.frustaUs.add(usSince(start));
@@ -90,8 +93,9 @@ Status cullScene(const CullCommandFlags& flags) {
     if (Status status = lists->finish(); !status) return status;
   }
   std::printf("%llu frames, %s with %s: %.1f us a frame (median), %.0f plane tests, %.0f leaf-tile pairs\n",
-              static_cast<unsigned long long>(flags.frames), flags.cull.algorithm.c_str(), flags.cull.bounds.c_str(),
-              measured.cullUs.percentile(50), measured.tests.percentile(50), measured.pairs.percentile(50));
+              static_cast<unsigned long long>(flags.frames), flags.cull.algorithm.c_str(),
+              flags.cull.bounds.c_str(), measured.cullUs.percentile(50), measured.tests.percentile(50),
+              measured.pairs.percentile(50));
   if (flags.json.empty()) return Done{};
   return writeFileAtomically(flags.json, reportOf(flags, *scene, *wall, measured));
 }
@@ -99,7 +103,8 @@ Status cullScene(const CullCommandFlags& flags) {
 }  // namespace
 
 void addCullCommand(CLI::App& tessera, std::vector<Command>& commands) {
-  CLI::App* app = tessera.add_subcommand("cull", "Culling without network or drawing: visible lists, counts, times");
+  CLI::App* app =
+      tessera.add_subcommand("cull", "Culling without network or drawing: visible lists, counts, times");
   auto flags = std::make_shared<CullCommandFlags>();
   flags->files.addWall(*app);
   flags->files.addScene(*app);
@@ -108,7 +113,8 @@ void addCullCommand(CLI::App& tessera, std::vector<Command>& commands) {
   app->add_option("--frames", flags->frames, "Frames, evenly along the camera path")
       ->capture_default_str()
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000}));
-  app->add_option("--lists", flags->lists, "Write every tile's frustum and visible list of every frame, as JSON Lines");
+  app->add_option("--lists", flags->lists,
+                  "Write every tile's frustum and visible list of every frame, as JSON Lines");
   app->add_option("--json", flags->json, "Write the counts and times to this file");
   app->add_flag("--untiled", flags->untiled, "The whole wall as one tile");
   commands.push_back({app, [flags] { return cullScene(*flags); }});

@@ -9,7 +9,9 @@
 namespace tessera {
 
 void InputFiles::addWall(CLI::App& app) {
-  app.add_option("--wall", wall, "Wall file (JSON, see configs/wall.schema.json)")->required()->envname("TESSERA_WALL");
+  app.add_option("--wall", wall, "Wall file (JSON, see configs/wall.schema.json)")
+      ->required()
+      ->envname("TESSERA_WALL");
 }
 
 void InputFiles::addScene(CLI::App& app) {
@@ -19,14 +21,16 @@ void InputFiles::addScene(CLI::App& app) {
 }
 
 void InputFiles::addCamera(CLI::App& app) {
-  app.add_option("--camera", camera, "Camera path (JSON, see configs/camera.schema.json); default: once around the scene")
+  app.add_option("--camera", camera,
+                 "Camera path (JSON, see configs/camera.schema.json); default: once around the scene")
       ->envname("TESSERA_CAMERA");
 }
 
 Result<Wall> InputFiles::readWall() const {
   auto read = readWallFile(wall);
   if (read) {
-    for (const std::string& warning : read->warnings) spdlog::warn("{}: {}", wall, warning);
+    for (const std::string& warning : read->warnings)
+      spdlog::warn("{}: {}", wall, warning);
   }
   return read;
 }
@@ -34,30 +38,36 @@ Result<Wall> InputFiles::readWall() const {
 Result<Scene> InputFiles::readScene() const {
   auto read = loadScene(scene);
   if (read) {
-    for (const std::string& warning : read->warnings) spdlog::warn("{}: {}", scene, warning);
+    for (const std::string& warning : read->warnings)
+      spdlog::warn("{}: {}", scene, warning);
   }
   return read;
 }
 
 Result<CameraPath> InputFiles::readCamera() const {
-  return camera.empty() ? parseCameraPath(kDefaultCamera, "configs/orbit.camera.json") : readCameraPath(camera);
+  return camera.empty() ? parseCameraPath(kDefaultCamera, "configs/orbit.camera.json")
+                        : readCameraPath(camera);
 }
 
 void CullFlags::add(CLI::App& app) {
   app.add_option("--algorithm", algorithm, "How to cull: none, naive, oh or adaptive")
       ->capture_default_str()
       ->envname("TESSERA_ALGORITHM");
-  app.add_option("--bounds", bounds, "What to cull by: sphere, aabb or obb")->capture_default_str()->envname("TESSERA_BOUNDS");
+  app.add_option("--bounds", bounds, "What to cull by: sphere, aabb or obb")
+      ->capture_default_str()
+      ->envname("TESSERA_BOUNDS");
 }
 
 Result<cull::Options> CullFlags::options() const {
   const auto chosenAlgorithm = cull::algorithmFromName(algorithm);
   if (!chosenAlgorithm) {
-    return inputError("--algorithm", "there is no algorithm named \"" + algorithm + "\"", "choose none, naive, oh or adaptive");
+    return inputError("--algorithm", "there is no algorithm named \"" + algorithm + "\"",
+                      "choose none, naive, oh or adaptive");
   }
   const auto chosenBounds = cull::boundsFromName(bounds);
   if (!chosenBounds) {
-    return inputError("--bounds", "there are no bounds named \"" + bounds + "\"", "choose sphere, aabb or obb");
+    return inputError("--bounds", "there are no bounds named \"" + bounds + "\"",
+                      "choose sphere, aabb or obb");
   }
   return cull::Options{.algorithm = *chosenAlgorithm, .bounds = *chosenBounds};
 }

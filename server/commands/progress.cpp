@@ -1,8 +1,8 @@
 #include "server/commands/progress.h"
 
-#include <unistd.h>
-
 #include <cstdio>
+
+#include <unistd.h>
 
 namespace tessera {
 
@@ -38,8 +38,8 @@ void Progress::draw(std::uint64_t done) const {
   const std::uint64_t filled = done * kBarWidth / all_;
   const std::string bar = std::string(filled, '#') + std::string(kBarWidth - filled, '.');
   std::fprintf(stderr, "%s[%s] %llu/%llu %s, %.1f/s%s", isTerminal_ ? "\r" : "", bar.c_str(),
-               static_cast<unsigned long long>(done), static_cast<unsigned long long>(all_), what_.c_str(), rate,
-               isTerminal_ ? "  " : "\n");
+               static_cast<unsigned long long>(done), static_cast<unsigned long long>(all_), what_.c_str(),
+               rate, isTerminal_ ? "  " : "\n");
   std::fflush(stderr);
 }
 

@@ -1,9 +1,9 @@
-#include <spdlog/spdlog.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <thread>
+
+#include <spdlog/spdlog.h>
 
 #include "common/base/file.h"
 #include "server/commands/commands.h"
@@ -33,7 +33,8 @@ MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOpti
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));
   options.tilesDeadline = std::chrono::milliseconds(static_cast<int>(flags.tilesDeadlineS * 1000));
-  if (!flags.out.empty() && !flags.noPictures && flags.surface == "offscreen") options.pictureFolder = flags.out;
+  if (!flags.out.empty() && !flags.noPictures && flags.surface == "offscreen")
+    options.pictureFolder = flags.out;
   options.pictureEvery = flags.pictureEvery;
   return options;
 }
@@ -45,13 +46,15 @@ void printSummary(const RunReport& report) {
     listBytes += tile.listBytes;
     geometryBytes += tile.geometryBytes;
   }
-  std::printf("%llu frames on %zu tiles, %.1f a second; %llu tile frames missed\n",
-              static_cast<unsigned long long>(report.frames), report.tiles.size(),
-              report.seconds > 0 && report.frames > 1 ? static_cast<double>(report.frames - 1) / report.seconds : 0.0,
-              static_cast<unsigned long long>(missed));
-  std::printf("culling %.3f ms (median), %.0f leaf-tile pairs a frame; sent %.2f MB of geometry, %.1f KB of lists\n",
-              report.cullMs.percentile(50), report.visibleLeavesPerFrame.percentile(50),
-              static_cast<double>(geometryBytes) / 1e6, static_cast<double>(listBytes) / 1e3);
+  std::printf(
+      "%llu frames on %zu tiles, %.1f a second; %llu tile frames missed\n",
+      static_cast<unsigned long long>(report.frames), report.tiles.size(),
+      report.seconds > 0 && report.frames > 1 ? static_cast<double>(report.frames - 1) / report.seconds : 0.0,
+      static_cast<unsigned long long>(missed));
+  std::printf(
+      "culling %.3f ms (median), %.0f leaf-tile pairs a frame; sent %.2f MB of geometry, %.1f KB of lists\n",
+      report.cullMs.percentile(50), report.visibleLeavesPerFrame.percentile(50),
+      static_cast<double>(geometryBytes) / 1e6, static_cast<double>(listBytes) / 1e3);
 }
 
 Status writeReport(const RunFlags& flags, const RunReport& report) {
@@ -62,7 +65,9 @@ Status writeReport(const RunFlags& flags, const RunReport& report) {
   if (flags.out.empty()) return Done{};
   const std::filesystem::path folder = flags.out;
   if (Status status = writeFileAtomically(folder / "report.json", json); !status) return status;
-  if (report.pictures > 0) std::printf("pictures: %s (%llu)\n", (folder / "frame-*.png").c_str(), static_cast<unsigned long long>(report.pictures));
+  if (report.pictures > 0)
+    std::printf("pictures: %s (%llu)\n", (folder / "frame-*.png").c_str(),
+                static_cast<unsigned long long>(report.pictures));
   std::printf("report:   %s\n", (folder / "report.json").c_str());
   return Done{};
 }
@@ -93,20 +98,22 @@ Status runWall(const RunFlags& flags) {
   const StopSignals signals(master.io(), [&master] { master.stop(); });
   const auto port = master.listen({"127.0.0.1", "0"});
   if (!port) return port.error();
-  TileProcesses tiles(master.io(), {.program = *program,
-                                    .masterAddress = "127.0.0.1:" + std::to_string(*port),
-                                    .surface = flags.surface,
-                                    .singleThreadedDrawing = wall->tiles.size() >= std::thread::hardware_concurrency()});
+  TileProcesses tiles(master.io(),
+                      {.program = *program,
+                       .masterAddress = "127.0.0.1:" + std::to_string(*port),
+                       .surface = flags.surface,
+                       .singleThreadedDrawing = wall->tiles.size() >= std::thread::hardware_concurrency()});
   for (const Tile& tile : wall->tiles) {
     if (Status status = tiles.start(tile.name); !status) return status;
   }
   Progress progress("frames", flags.frames);
-  const Master::Hooks hooks{.whileWaitingForTiles = [&tiles] { return tiles.check(false); },
-                            .eachFrame =
-                                [&tiles] {
-                                  if (Status status = tiles.check(true); !status) spdlog::error("{}", status.error().text());
-                                },
-                            .progress = [&progress](std::uint64_t done, std::uint64_t) { progress.update(done); }};
+  const Master::Hooks hooks{
+      .whileWaitingForTiles = [&tiles] { return tiles.check(false); },
+      .eachFrame =
+          [&tiles] {
+            if (Status status = tiles.check(true); !status) spdlog::error("{}", status.error().text());
+          },
+      .progress = [&progress](std::uint64_t done, std::uint64_t) { progress.update(done); }};
   const auto report = master.run(hooks, false);
   progress.finish();
   tiles.end(std::chrono::milliseconds(200));
@@ -121,7 +128,8 @@ Status runWall(const RunFlags& flags) {
 }  // namespace
 
 void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
-  CLI::App* app = tessera.add_subcommand("run", "A whole wall on this machine: a master and one process for each tile");
+  CLI::App* app =
+      tessera.add_subcommand("run", "A whole wall on this machine: a master and one process for each tile");
   auto flags = std::make_shared<RunFlags>();
   flags->files.addWall(*app);
   flags->files.addScene(*app);
@@ -130,7 +138,8 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
   app->add_option("--frames", flags->frames, "Frames to draw, evenly along the camera path")
       ->capture_default_str()
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000}));
-  app->add_option("--out", flags->out, "Folder for the stitched pictures and report.json; made where it is missing");
+  app->add_option("--out", flags->out,
+                  "Folder for the stitched pictures and report.json; made where it is missing");
   app->add_option("--picture-every", flags->pictureEvery, "Write the picture of every so-manieth frame")
       ->capture_default_str()
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000}));
@@ -139,16 +148,19 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
   app->add_option("--surface", flags->surface, "Where tiles draw: offscreen, or none (all but the drawing)")
       ->capture_default_str()
       ->check(CLI::IsMember({"offscreen", "none"}));
-  app->add_option("--fps", flags->framesPerSecond, "At most so many frames a second; 0: as fast as the tiles are")
+  app->add_option("--fps", flags->framesPerSecond,
+                  "At most so many frames a second; 0: as fast as the tiles are")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1000.0));
-  app->add_option("--frame-deadline", flags->frameDeadlineS, "Seconds after which a tile that has not drawn is left behind")
+  app->add_option("--frame-deadline", flags->frameDeadlineS,
+                  "Seconds after which a tile that has not drawn is left behind")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 3600.0));
   app->add_option("--tiles-deadline", flags->tilesDeadlineS, "Seconds for all tiles to connect")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 3600.0));
-  app->add_flag("--untiled", flags->untiled, "The whole wall as one tile: with --algorithm none the reference picture");
+  app->add_flag("--untiled", flags->untiled,
+                "The whole wall as one tile: with --algorithm none the reference picture");
   commands.push_back({app, [flags] { return runWall(*flags); }});
 }
 

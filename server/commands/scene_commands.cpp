@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <memory>
+
 #include <nlohmann/json.hpp>
 
 #include "common/base/file.h"
@@ -13,13 +14,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json vec(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Json vec(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 Json leafJson(const Scene& scene, std::uint32_t leaf) {
   const SceneLeaf& from = scene.leaves[leaf];
   const Aabb& box = scene.hierarchy.aabb(scene.hierarchy.nodeOfLeaf(leaf));
-  const Json source = scene.isGltf ? Json{{"node", from.source.gltfNode}, {"primitive", from.source.gltfPrimitive}}
-                                   : Json{{"node_path", from.source.osgNodePath}, {"drawable", from.source.osgDrawable}};
+  const Json source =
+      scene.isGltf ? Json{{"node", from.source.gltfNode}, {"primitive", from.source.gltfPrimitive}}
+                   : Json{{"node_path", from.source.osgNodePath}, {"drawable", from.source.osgDrawable}};
   return {{"id", leaf},
           {"path", scene.pathOf(leaf)},
           {"source", source},
@@ -34,7 +38,8 @@ struct Summary {
 Json sceneJson(const Scene& scene, const Summary& summary) {
   const ObjectHierarchy& oh = scene.hierarchy;
   Json leaves = Json::array();
-  for (std::uint32_t leaf = 0; leaf < oh.leafCount(); ++leaf) leaves.push_back(leafJson(scene, leaf));
+  for (std::uint32_t leaf = 0; leaf < oh.leafCount(); ++leaf)
+    leaves.push_back(leafJson(scene, leaf));
   return {{"format", "tessera-scene"},
           {"version", 1},
           {"scene", scene.source},
@@ -63,13 +68,15 @@ Status inspect(const InspectFlags& flags) {
   const ObjectHierarchy& oh = scene->hierarchy;
   const Summary summary{oh.nodeCount() - oh.leafCount(), oh.leafCount()};
   const Vec3 extent = oh.aabb(0).max - oh.aabb(0).min;
-  std::printf("nodes      %u (%u inner, %u leaves), branching %.2f, depth %u\n", oh.nodeCount(), summary.inner,
-              summary.leaves, oh.meanBranching(), oh.depth());
+  std::printf("nodes      %u (%u inner, %u leaves), branching %.2f, depth %u\n", oh.nodeCount(),
+              summary.inner, summary.leaves, oh.meanBranching(), oh.depth());
   std::printf("triangles  %llu\n", static_cast<unsigned long long>(scene->triangleCount()));
   std::printf("size       %g x %g x %g about (%g, %g, %g)\n", extent.x(), extent.y(), extent.z(),
               scene->sphere().center.x(), scene->sphere().center.y(), scene->sphere().center.z());
-  std::printf("assets     %zu, %.2f MB\n", scene->assets.size(), static_cast<double>(scene->assets.bytes()) / 1e6);
-  for (const std::string& warning : scene->warnings) std::printf("note       %s\n", warning.c_str());
+  std::printf("assets     %zu, %.2f MB\n", scene->assets.size(),
+              static_cast<double>(scene->assets.bytes()) / 1e6);
+  for (const std::string& warning : scene->warnings)
+    std::printf("note       %s\n", warning.c_str());
   if (flags.json.empty()) return Done{};
   return writeFileAtomically(flags.json, sceneJson(*scene, summary).dump() + "\n");
 }
@@ -80,7 +87,8 @@ struct MakeFlags {
 };
 
 template <class Options>
-Status writeScene(const MakeFlags& flags, Result<std::string> (*make)(const Options&), const Options& options) {
+Status writeScene(const MakeFlags& flags, Result<std::string> (*make)(const Options&),
+                  const Options& options) {
   const auto bytes = make(options);
   if (!bytes) return bytes.error();
   if (Status status = writeFileAtomically(flags.out, *bytes); !status) return status;
@@ -88,7 +96,8 @@ Status writeScene(const MakeFlags& flags, Result<std::string> (*make)(const Opti
   return Done{};
 }
 
-std::shared_ptr<MakeFlags> addKind(CLI::App& make, const char* kind, const char* description, CLI::App*& app) {
+std::shared_ptr<MakeFlags> addKind(CLI::App& make, const char* kind, const char* description,
+                                   CLI::App*& app) {
   app = make.add_subcommand(kind, description);
   auto flags = std::make_shared<MakeFlags>();
   app->add_option("--seed", flags->seed, "The same arguments give the same bytes")->capture_default_str();
@@ -105,23 +114,27 @@ void addMakeCommand(CLI::App& scene, std::vector<Command>& commands) {
   plant->triangles = PowerPlantOptions{}.triangles;
   app->add_option("--triangles", plant->triangles, "Triangles, to within 1 %")->capture_default_str();
   commands.push_back({app, [plant] {
-                        return writeScene(*plant, makePowerPlantGlb,
-                                          PowerPlantOptions{.seed = plant->seed, .triangles = plant->triangles});
+                        return writeScene(
+                            *plant, makePowerPlantGlb,
+                            PowerPlantOptions{.seed = plant->seed, .triangles = plant->triangles});
                       }});
 
   auto palace = addKind(*make, "fatehpur", "A palace of 770 nodes, 482 of them leaves", app);
   palace->triangles = FatehpurOptions{}.triangles;
   app->add_option("--triangles", palace->triangles, "Triangles, to within 1 %")->capture_default_str();
   commands.push_back({app, [palace] {
-                        return writeScene(*palace, makeFatehpurGlb,
-                                          FatehpurOptions{.seed = palace->seed, .triangles = palace->triangles});
+                        return writeScene(
+                            *palace, makeFatehpurGlb,
+                            FatehpurOptions{.seed = palace->seed, .triangles = palace->triangles});
                       }});
 
   auto city = addKind(*make, "city", "A city of exactly as many leaves as asked for", app);
   city->leaves = CityOptions{}.leaves;
   app->add_option("--leaves", city->leaves, "Leaves")->capture_default_str();
-  commands.push_back(
-      {app, [city] { return writeScene(*city, makeCityGlb, CityOptions{.seed = city->seed, .leaves = city->leaves}); }});
+  commands.push_back({app, [city] {
+                        return writeScene(*city, makeCityGlb,
+                                          CityOptions{.seed = city->seed, .leaves = city->leaves});
+                      }});
 }
 
 }  // namespace

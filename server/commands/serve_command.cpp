@@ -1,7 +1,7 @@
-#include <spdlog/spdlog.h>
-
 #include <cstdio>
 #include <memory>
+
+#include <spdlog/spdlog.h>
 
 #include "common/base/file.h"
 #include "server/commands/commands.h"
@@ -44,9 +44,11 @@ Status serve(const ServeFlags& flags) {
   const auto port = master.listen(*address);
   if (!port) return port.error();
   // Scripts that asked for port 0 read the number from here.
-  std::printf("listening on %s:%u for %zu tiles\n", address->host.c_str(), unsigned{*port}, wall->tiles.size());
+  std::printf("listening on %s:%u for %zu tiles\n", address->host.c_str(), unsigned{*port},
+              wall->tiles.size());
   std::fflush(stdout);
-  const auto report = master.run({.whileWaitingForTiles = [] { return Status(Done{}); }, .eachFrame = {}, .progress = {}}, true);
+  const auto report = master.run(
+      {.whileWaitingForTiles = [] { return Status(Done{}); }, .eachFrame = {}, .progress = {}}, true);
   if (!report) return report.error();
   if (!flags.json.empty()) return writeFileAtomically(flags.json, report->json());
   return Done{};
@@ -55,24 +57,30 @@ Status serve(const ServeFlags& flags) {
 }  // namespace
 
 void addServeCommand(CLI::App& tessera, std::vector<Command>& commands) {
-  CLI::App* app = tessera.add_subcommand("serve", "The master alone; tiles connect from elsewhere (tessera-tile)");
+  CLI::App* app =
+      tessera.add_subcommand("serve", "The master alone; tiles connect from elsewhere (tessera-tile)");
   auto flags = std::make_shared<ServeFlags>();
   flags->files.addWall(*app);
   flags->files.addScene(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
-  app->add_option("--listen", flags->listen, "Address to listen on, HOST:PORT; anyone who reaches it may be a tile")
+  app->add_option("--listen", flags->listen,
+                  "Address to listen on, HOST:PORT; anyone who reaches it may be a tile")
       ->capture_default_str()
       ->envname("TESSERA_LISTEN");
-  app->add_option("--frames", flags->frames, "End after so many frames; 0: fly the path over and over until stopped")
+  app->add_option("--frames", flags->frames,
+                  "End after so many frames; 0: fly the path over and over until stopped")
       ->capture_default_str();
-  app->add_option("--fps", flags->framesPerSecond, "At most so many frames a second; 0: as fast as the tiles are")
+  app->add_option("--fps", flags->framesPerSecond,
+                  "At most so many frames a second; 0: as fast as the tiles are")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1000.0));
-  app->add_option("--frame-deadline", flags->frameDeadlineS, "Seconds after which a tile that has not drawn is left behind")
+  app->add_option("--frame-deadline", flags->frameDeadlineS,
+                  "Seconds after which a tile that has not drawn is left behind")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 3600.0));
-  app->add_option("--tiles-deadline", flags->tilesDeadlineS, "Seconds to wait for all tiles before starting without some")
+  app->add_option("--tiles-deadline", flags->tilesDeadlineS,
+                  "Seconds to wait for all tiles before starting without some")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 86400.0));
   app->add_option("--json", flags->json, "Write the report to this file at the end");

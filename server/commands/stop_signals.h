@@ -1,20 +1,21 @@
 #pragma once
 
-#include <spdlog/spdlog.h>
-
 #include <atomic>
 #include <csignal>
 #include <functional>
+
+#include <spdlog/spdlog.h>
 
 #include "common/net/asio.h"
 
 namespace tessera {
 
-/// Calls `stop` once, on the io context's thread, when SIGINT or SIGTERM comes. A second one ends the process at
-/// once (its tiles die with it).
+/// Calls `stop` once, on the io context's thread, when SIGINT or SIGTERM comes. A second one ends the process
+/// at once (its tiles die with it).
 class StopSignals {
  public:
-  StopSignals(net::asio::io_context& io, std::function<void()> stop) : set_(io, SIGINT, SIGTERM), stop_(std::move(stop)) {
+  StopSignals(net::asio::io_context& io, std::function<void()> stop)
+      : set_(io, SIGINT, SIGTERM), stop_(std::move(stop)) {
     wait();
   }
   [[nodiscard]] bool wasStopped() const { return count_ > 0; }

@@ -1,9 +1,9 @@
 #include "server/commands/visible_lists_file.h"
 
-#include <unistd.h>
-
 #include <charconv>
+
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace tessera {
 
@@ -55,8 +55,9 @@ Status VisibleListsFile::open(const std::filesystem::path& path, const Scene& sc
     names.push_back(tile.name);
     quotedNames_.push_back(nlohmann::json(tile.name).dump());
   }
-  const nlohmann::ordered_json header = {{"format", "tessera-lists"}, {"version", 1},           {"scene", scene.source},
-                                         {"wall", wall.source},       {"leaves", scene.leaves.size()}, {"tiles", names}};
+  const nlohmann::ordered_json header = {{"format", "tessera-lists"},     {"version", 1},
+                                         {"scene", scene.source},         {"wall", wall.source},
+                                         {"leaves", scene.leaves.size()}, {"tiles", names}};
   out_ << header.dump() << '\n';
   return Done{};
 }

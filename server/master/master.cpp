@@ -1,8 +1,8 @@
 #include "server/master/master.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
+
+#include <spdlog/spdlog.h>
 
 #include "common/hierarchy/frustum_hierarchy.h"
 #include "proto/codec.h"
@@ -41,17 +41,22 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
                .deadlines = {},
                .handshakes = 0} {
   mirrors_.reserve(wall.tiles.size());
-  for (std::size_t i = 0; i < wall.tiles.size(); ++i) mirrors_.emplace_back(scene);
+  for (std::size_t i = 0; i < wall.tiles.size(); ++i)
+    mirrors_.emplace_back(scene);
 }
 
-Master::~Master() { stopNetwork(); }
+Master::~Master() {
+  stopNetwork();
+}
 
 void Master::stopNetwork() {
   io_.stop();
   if (network_.joinable()) network_.join();
 }
 
-void Master::stop() { roster_.stop(); }
+void Master::stop() {
+  roster_.stop();
+}
 
 Result<std::uint16_t> Master::listen(const net::HostPort& at) {
   auto acceptor = net::listen(io_, at);
@@ -65,7 +70,8 @@ Result<std::uint16_t> Master::listen(const net::HostPort& at) {
 net::awaitable<void> Master::acceptTiles(net::tcp::acceptor acceptor) {
   for (;;) {
     net::error_code ec;
-    net::tcp::socket socket = co_await acceptor.async_accept(net::asio::redirect_error(net::asio::use_awaitable, ec));
+    net::tcp::socket socket =
+        co_await acceptor.async_accept(net::asio::redirect_error(net::asio::use_awaitable, ec));
     if (ec) {
       // Out of descriptors, say: existing tiles go on, and the next try may succeed.
       spdlog::warn("a connection could not be accepted: {}", ec.message());
@@ -73,7 +79,8 @@ net::awaitable<void> Master::acceptTiles(net::tcp::acceptor acceptor) {
       co_await pause.async_wait(net::asio::redirect_error(net::asio::use_awaitable, ec));
       continue;
     }
-    if (context_.handshakes >= kMaxHandshakes) continue;  // the socket closes: a flood must not starve the tiles
+    if (context_.handshakes >= kMaxHandshakes)
+      continue;  // the socket closes: a flood must not starve the tiles
     net::asio::co_spawn(io_, serveTile(std::make_shared<net::Connection>(std::move(socket)), context_),
                         [](const std::exception_ptr& e) {
                           if (e) spdlog::error("a tile's session ended by an exception");
@@ -91,7 +98,8 @@ Status Master::waitForTiles(const Hooks& hooks, bool mayStartWithout) {
   if (!bound) return bound.error();
   if (*bound || roster_.stopping()) return Done{};
   std::string names;
-  for (const std::string& name : roster_.unboundNames()) names += (names.empty() ? "" : ", ") + name;
+  for (const std::string& name : roster_.unboundNames())
+    names += (names.empty() ? "" : ", ") + name;
   const std::string what = "these tiles have not connected within the deadline: " + names;
   if (!mayStartWithout) return runtimeError("", what, "see their own messages above");
   spdlog::warn("{}; starting without them", what);
@@ -110,7 +118,8 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
   const Sphere& sphere = scene_.sphere();
   firstFrame_ = lastPaced_ = Clock::now();
   std::uint64_t frame = 0;
-  for (std::uint64_t next = 1; (options_.frames == 0 || next <= options_.frames) && !roster_.stopping(); ++next) {
+  for (std::uint64_t next = 1; (options_.frames == 0 || next <= options_.frames) && !roster_.stopping();
+       ++next) {
     pace(next);
     auto start = Clock::now();
     const WallView view = viewOf(wall_, poseOf(next), sphere.center, sphere.radius);
@@ -129,7 +138,8 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
   report_.frames = frame;
   report_.seconds = msSince(firstFrame_) / 1000 - report_.firstFrameMs / 1000;
   if (frame > 0) {
-    roster_.waitShown(frame, Clock::now() + (roster_.stopping() ? kLastSwapDeadline : options_.frameDeadline));
+    roster_.waitShown(frame,
+                      Clock::now() + (roster_.stopping() ? kLastSwapDeadline : options_.frameDeadline));
   }
   sayGoodbye();
   stopNetwork();
@@ -142,7 +152,8 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
 
 void Master::pace(std::uint64_t frame) {
   if (options_.framesPerSecond <= 0 || frame == 1) return;
-  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / options_.framesPerSecond));
+  const auto period = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(1 / options_.framesPerSecond));
   // A wall that fell behind does not hurry to catch up.
   lastPaced_ = std::max(lastPaced_ + period, Clock::now() - period);
   std::this_thread::sleep_until(lastPaced_);
@@ -188,8 +199,8 @@ void Master::endFrame(std::uint64_t frame) {
   const auto start = Clock::now();
   for (const std::uint32_t tile : roster_.waitReady(frame, start + options_.frameDeadline)) {
     if (roster_.stopping()) break;
-    spdlog::warn("tile {} has not drawn frame {} within {} ms and is left behind until it has", roster_.nameOf(tile),
-                 frame, options_.frameDeadline.count());
+    spdlog::warn("tile {} has not drawn frame {} within {} ms and is left behind until it has",
+                 roster_.nameOf(tile), frame, options_.frameDeadline.count());
     roster_.frameMissed(tile);
   }
   report_.tileWaitMs.add(msSince(start));

@@ -25,21 +25,23 @@ namespace tessera {
 
 struct MasterOptions {
   cull::Options cull;
-  std::uint64_t frames = 0;       ///< along the camera path; 0: over and over until stopped
-  std::uint64_t loopFrames = 600; ///< frames of one pass of the path when it runs over and over
-  double framesPerSecond = 0;     ///< 0: as fast as the tiles are
-  std::chrono::milliseconds tilesDeadline{30'000};   ///< for all tiles to connect
-  std::chrono::milliseconds frameDeadline{10'000};   ///< for a frame's Ready; a tile that misses it is left behind
+  std::uint64_t frames = 0;        ///< along the camera path; 0: over and over until stopped
+  std::uint64_t loopFrames = 600;  ///< frames of one pass of the path when it runs over and over
+  double framesPerSecond = 0;      ///< 0: as fast as the tiles are
+  std::chrono::milliseconds tilesDeadline{30'000};  ///< for all tiles to connect
+  std::chrono::milliseconds frameDeadline{
+      10'000};  ///< for a frame's Ready; a tile that misses it is left behind
   std::optional<std::filesystem::path> pictureFolder;  ///< stitched pictures go there
-  std::uint64_t pictureEvery = 1;                    ///< of the frames, every so-manieth
+  std::uint64_t pictureEvery = 1;                      ///< of the frames, every so-manieth
 };
 
 /// The master of one wall: listens for tiles and runs the frame loop.
 ///
 ///   update -> cull(k) -> wait for Ready(k-1) of all tiles -> Swap(k-1) -> encode and send frame k
 ///
-/// so that culling overlaps the tiles' drawing. One thread runs the loop (the caller of run), one the network;
-/// pictures are written by a third. A tile that is late or gone is not waited for again until it is back.
+/// so that culling overlaps the tiles' drawing. One thread runs the loop (the caller of run), one the
+/// network; pictures are written by a third. A tile that is late or gone is not waited for again until it is
+/// back.
 class Master {
  public:
   /// `scene`, `wall` and `path` outlive the master.
@@ -52,8 +54,8 @@ class Master {
   [[nodiscard]] Result<std::uint16_t> listen(const net::HostPort& at);
 
   struct Hooks {
-    std::function<Status()> whileWaitingForTiles;     ///< called often; an error ends the run
-    std::function<void()> eachFrame;                  ///< called once a frame
+    std::function<Status()> whileWaitingForTiles;  ///< called often; an error ends the run
+    std::function<void()> eachFrame;               ///< called once a frame
     std::function<void(std::uint64_t done, std::uint64_t all)> progress;
   };
   /// Runs until the frames are done or stop() was called. `mayStartWithout`: where tiles are missing at the

@@ -46,8 +46,10 @@ bool PictureWriter::add(std::uint32_t tile, std::uint64_t frame, const proto::Pi
 void PictureWriter::complete(std::uint64_t frame) {
   std::unique_lock lock(mutex_);
   while (!open_.empty() && open_.begin()->first <= frame) {
-    if (!changed_.wait_for(lock, kDiskDeadline, [this] { return queue_.size() < kMaxQueuedPictures || failure_; })) {
-      failure_ = runtimeError(folder_.string(), "pictures cannot be written: the disk has not answered for 60 s");
+    if (!changed_.wait_for(lock, kDiskDeadline,
+                           [this] { return queue_.size() < kMaxQueuedPictures || failure_; })) {
+      failure_ =
+          runtimeError(folder_.string(), "pictures cannot be written: the disk has not answered for 60 s");
     }
     auto next = open_.extract(open_.begin());
     if (failure_) continue;

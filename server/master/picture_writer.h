@@ -19,7 +19,8 @@
 namespace tessera {
 
 /// Stitches the tiles' pictures of a frame and writes them as DIR/frame-NNNNNN.png in a thread of its own.
-/// Thread-safe. At most a few frames wait in memory: complete() holds the caller back when the disk is slower.
+/// Thread-safe. At most a few frames wait in memory: complete() holds the caller back when the disk is
+/// slower.
 class PictureWriter {
  public:
   /// Of frames 1, 1 + every, 1 + 2 * every, ...
@@ -31,7 +32,8 @@ class PictureWriter {
   [[nodiscard]] bool wants(std::uint64_t frame) const { return (frame - 1) % every_ == 0; }
   /// A tile's part of a frame. False: it has not the tile's size.
   [[nodiscard]] bool add(std::uint32_t tile, std::uint64_t frame, const proto::Picture& picture);
-  /// No more parts come for frames up to `frame`: they are written as they are, black where a tile is missing.
+  /// No more parts come for frames up to `frame`: they are written as they are, black where a tile is
+  /// missing.
   void complete(std::uint64_t frame);
   /// Writes what is left and ends the thread. The first failure of the run, if any.
   [[nodiscard]] Status finish();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+
 #include <nlohmann/json.hpp>
 
 namespace tessera {
@@ -17,7 +18,8 @@ Json spread(const Samples& samples) {
 
 Json tileJson(const RunReport::TileEntry& tile) {
   Samples drawMs;
-  for (const std::uint32_t us : tile.counts.drawUs) drawMs.add(us / 1000.0);
+  for (const std::uint32_t us : tile.counts.drawUs)
+    drawMs.add(us / 1000.0);
   return {{"frames_shown", tile.counts.framesShown},
           {"frames_missed", tile.counts.framesMissed},
           {"visible_leaves", spread(tile.visibleLeaves)},
@@ -45,13 +47,23 @@ double Samples::percentile(double p) const {
 
 std::string RunReport::json() const {
   Json tilesJson = Json::object();
-  for (const TileEntry& tile : tiles) tilesJson[tile.name] = tileJson(tile);
+  for (const TileEntry& tile : tiles)
+    tilesJson[tile.name] = tileJson(tile);
   const Json report = {
       {"format", "tessera-report"},
       {"version", 1},
-      {"scene", {{"file", scene}, {"leaves", leaves}, {"triangles", triangles}, {"assets", assets}, {"asset_bytes", assetBytes}}},
+      {"scene",
+       {{"file", scene},
+        {"leaves", leaves},
+        {"triangles", triangles},
+        {"assets", assets},
+        {"asset_bytes", assetBytes}}},
       {"wall", wall},
-      {"mode", {{"algorithm", algorithm}, {"bounds", bounds}, {"measured_error_leaves", 0}, {"measured_error_px", 0}}},
+      {"mode",
+       {{"algorithm", algorithm},
+        {"bounds", bounds},
+        {"measured_error_leaves", 0},
+        {"measured_error_px", 0}}},
       {"frames", frames},
       {"seconds", seconds},
       {"frames_per_second", seconds > 0 && frames > 1 ? static_cast<double>(frames - 1) / seconds : 0.0},
@@ -64,7 +76,8 @@ std::string RunReport::json() const {
         {"tile_wait", spread(tileWaitMs)},
         {"swap", spread(swapMs)}}},
       {"visible_pairs_per_frame", spread(visibleLeavesPerFrame)},
-      {"sent_bytes_per_frame", {{"lists", spread(listBytesPerFrame)}, {"geometry", spread(geometryBytesPerFrame)}}},
+      {"sent_bytes_per_frame",
+       {{"lists", spread(listBytesPerFrame)}, {"geometry", spread(geometryBytesPerFrame)}}},
       {"swap_skew_us", swapSkewUs.values.empty() ? Json(nullptr) : spread(swapSkewUs)},
       {"pictures", {{"written", pictures}, {"incomplete", incompletePictures}}},
       {"tiles", tilesJson}};

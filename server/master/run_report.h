@@ -25,7 +25,8 @@ struct RunReport {
   double seconds = 0;  ///< from the first frame to the last
   Samples updateMs, cullMs, encodeMs, sendMs, tileWaitMs, swapMs;
   Samples listBytesPerFrame, geometryBytesPerFrame, visibleLeavesPerFrame;
-  double firstFrameMs = 0;  ///< from the first frame's start until all tiles were ready: all geometry is sent then
+  double firstFrameMs =
+      0;  ///< from the first frame's start until all tiles were ready: all geometry is sent then
   struct TileEntry {
     std::string name;
     TileCounts counts;

@@ -37,8 +37,9 @@ proto::LeafRecord recordOf(const Scene& scene, std::uint32_t leaf) {
   record.center = sphere.center;
   record.radius = sphere.radius;
   if (from.billboard) {
-    record.billboard = proto::LeafBillboard{static_cast<proto::BillboardMode>(from.billboard->mode),
-                                            from.billboard->axis, from.billboard->normal, from.billboard->position};
+    record.billboard =
+        proto::LeafBillboard{static_cast<proto::BillboardMode>(from.billboard->mode), from.billboard->axis,
+                             from.billboard->normal, from.billboard->position};
   }
   return record;
 }
@@ -46,7 +47,8 @@ proto::LeafRecord recordOf(const Scene& scene, std::uint32_t leaf) {
 proto::Bytes encodeLeaves(const Scene& scene, const std::vector<std::uint32_t>& leaves) {
   proto::Leaves message;
   message.leaves.reserve(leaves.size());
-  for (const std::uint32_t leaf : leaves) message.leaves.push_back(recordOf(scene, leaf));
+  for (const std::uint32_t leaf : leaves)
+    message.leaves.push_back(recordOf(scene, leaf));
   return proto::encode(message);
 }
 
@@ -109,7 +111,8 @@ TileMirror::Sent TileMirror::send(net::Connection& connection, const FrameOrder&
 void TileMirror::needAsset(const AssetId& id, Sent& sent) {
   if (!knownAssets_.insert(id).second) return;
   const Asset* asset = scene_->assets.find(id);
-  for (const AssetId& needed : asset->needs) needAsset(needed, sent);
+  for (const AssetId& needed : asset->needs)
+    needAsset(needed, sent);
   missingAssets_.push_back(id);
   sent.assetBytes += asset->bytes.size();
   ++sent.assets;
@@ -134,7 +137,8 @@ void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& en
   std::size_t batchBytes = 0;
   const auto flush = [&] {
     if (batch.empty()) return;
-    sendLazily(connection, traffic_, [scene = scene_, ids = std::exchange(batch, {})] { return encodeAssets(*scene, ids); });
+    sendLazily(connection, traffic_,
+               [scene = scene_, ids = std::exchange(batch, {})] { return encodeAssets(*scene, ids); });
     batchBytes = 0;
   };
   for (const AssetId& id : missingAssets_) {
@@ -147,9 +151,10 @@ void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& en
   for (std::size_t first = 0; first < missingLeaves_.size(); first += kLeafBatch) {
     const auto begin = missingLeaves_.begin() + static_cast<std::ptrdiff_t>(first);
     const auto count = static_cast<std::ptrdiff_t>(std::min(kLeafBatch, missingLeaves_.size() - first));
-    sendLazily(connection, traffic_, [scene = scene_, leaves = std::vector<std::uint32_t>(begin, begin + count)] {
-      return encodeLeaves(*scene, leaves);
-    });
+    sendLazily(connection, traffic_,
+               [scene = scene_, leaves = std::vector<std::uint32_t>(begin, begin + count)] {
+                 return encodeLeaves(*scene, leaves);
+               });
   }
 }
 

@@ -40,7 +40,7 @@ class TileMirror {
     std::uint64_t listBytes = 0;   ///< the frame message
     std::uint64_t assetBytes = 0;  ///< assets ordered for it
     std::uint32_t assets = 0, leaves = 0;
-    std::uint32_t hits = 0;        ///< leaves that came into view and were known already
+    std::uint32_t hits = 0;  ///< leaves that came into view and were known already
   };
   /// Queues what the tile lacks for the frame, then the frame.
   Sent send(net::Connection& connection, const FrameOrder& order);

@@ -7,12 +7,13 @@
 namespace tessera {
 
 TileRoster::TileRoster(const Wall& wall) : slots_(wall.tiles.size()) {
-  for (const Tile& tile : wall.tiles) names_.push_back(tile.name);
+  for (const Tile& tile : wall.tiles)
+    names_.push_back(tile.name);
 }
 
-std::variant<TileRoster::Binding, TileRoster::Refusal> TileRoster::bind(const proto::Hello& hello,
-                                                                        std::shared_ptr<net::Connection> peer,
-                                                                        const std::function<void(const Binding&)>& welcome) {
+std::variant<TileRoster::Binding, TileRoster::Refusal> TileRoster::bind(
+    const proto::Hello& hello, std::shared_ptr<net::Connection> peer,
+    const std::function<void(const Binding&)>& welcome) {
   const std::lock_guard lock(mutex_);
   if (closed_) return Refusal::ShuttingDown;
   const auto name = std::find(names_.begin(), names_.end(), hello.tileName);
@@ -101,7 +102,8 @@ bool TileRoster::waitUntil(std::unique_lock<std::mutex>& lock, Deadline deadline
 Result<bool> TileRoster::waitAllBound(Deadline deadline, const std::function<Status()>& whileWaiting) {
   std::unique_lock lock(mutex_);
   const auto allBound = [this] {
-    return stopping_ || std::all_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.connection != nullptr; });
+    return stopping_ ||
+           std::all_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.connection != nullptr; });
   };
   while (!allBound()) {
     const auto now = std::chrono::steady_clock::now();
@@ -116,7 +118,9 @@ Result<bool> TileRoster::waitAllBound(Deadline deadline, const std::function<Sta
 
 std::vector<std::uint32_t> TileRoster::waitReady(std::uint64_t frame, Deadline deadline) {
   std::unique_lock lock(mutex_);
-  const auto isDrawing = [frame](const Slot& s) { return s.connection && s.sent == frame && s.acknowledged < frame; };
+  const auto isDrawing = [frame](const Slot& s) {
+    return s.connection && s.sent == frame && s.acknowledged < frame;
+  };
   (void)waitUntil(lock, deadline,
                   [&] { return stopping_ || std::none_of(slots_.begin(), slots_.end(), isDrawing); });
   std::vector<std::uint32_t> late;

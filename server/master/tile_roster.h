@@ -45,7 +45,8 @@ class TileRoster {
   // The network thread's side. What comes from a session that is bound no more is ignored.
   enum class Refusal { UnknownTile, TileTaken, ShuttingDown };
   /// `welcome` is called before the frame loop can see the tile, so that what it queues comes first.
-  [[nodiscard]] std::variant<Binding, Refusal> bind(const proto::Hello& hello, std::shared_ptr<net::Connection> peer,
+  [[nodiscard]] std::variant<Binding, Refusal> bind(const proto::Hello& hello,
+                                                    std::shared_ptr<net::Connection> peer,
                                                     const std::function<void(const Binding&)>& welcome);
   /// False: the tile acknowledges a frame that it was not sent, or twice.
   [[nodiscard]] bool ready(const Binding& binding, const proto::Ready& ready);

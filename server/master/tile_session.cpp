@@ -54,13 +54,16 @@ awaitable<void> keepAsking(std::weak_ptr<net::Connection> weak, net::Millisecond
 }
 
 /// One message of a bound tile. An error ends the session; Done{} with `left` set is an orderly end.
-Status handle(const net::Message& message, const TileRoster::Binding& binding, SessionContext& context, bool& left) {
+Status handle(const net::Message& message, const TileRoster::Binding& binding, SessionContext& context,
+              bool& left) {
   auto decoded = proto::decode(message.type, message.payload);
   if (!decoded) return decoded.error();
   if (const auto* ready = std::get_if<proto::Ready>(&*decoded)) {
-    if (!context.roster.ready(binding, *ready)) return runtimeError("", "acknowledges a frame that it was not sent");
+    if (!context.roster.ready(binding, *ready))
+      return runtimeError("", "acknowledges a frame that it was not sent");
   } else if (const auto* shown = std::get_if<proto::Shown>(&*decoded)) {
-    if (!context.roster.mayShow(binding, shown->frame)) return runtimeError("", "shows a frame that it did not acknowledge");
+    if (!context.roster.mayShow(binding, shown->frame))
+      return runtimeError("", "shows a frame that it did not acknowledge");
     if (shown->picture) {
       if (!context.pictures || !context.pictures->wants(shown->frame)) {
         return runtimeError("", "sends a picture that nobody asked for");
@@ -80,7 +83,8 @@ Status handle(const net::Message& message, const TileRoster::Binding& binding, S
   return Done{};
 }
 
-awaitable<void> converse(std::shared_ptr<net::Connection> peer, TileRoster::Binding binding, SessionContext& context) {
+awaitable<void> converse(std::shared_ptr<net::Connection> peer, TileRoster::Binding binding,
+                         SessionContext& context) {
   const std::string name = context.roster.nameOf(binding.tile);
   for (bool left = false; !left;) {
     auto message = co_await peer->read(proto::Expect::FromTile, context.deadlines.idle);
@@ -122,14 +126,18 @@ awaitable<void> serveTile(std::shared_ptr<net::Connection> peer, SessionContext&
   if (const auto* refusal = std::get_if<TileRoster::Refusal>(&bound)) {
     switch (*refusal) {
       case TileRoster::Refusal::UnknownTile:
-        refuse(*peer, ErrorCode::UnknownTile,
-               "the wall has no tile named \"" + hello->tileName + "\"; its tiles are named in its wall file");
+        refuse(
+            *peer, ErrorCode::UnknownTile,
+            "the wall has no tile named \"" + hello->tileName + "\"; its tiles are named in its wall file");
         break;
       case TileRoster::Refusal::TileTaken:
         refuse(*peer, ErrorCode::TileTaken,
-               "the tile \"" + hello->tileName + "\" is connected already; stop the other one or name another tile");
+               "the tile \"" + hello->tileName +
+                   "\" is connected already; stop the other one or name another tile");
         break;
-      case TileRoster::Refusal::ShuttingDown: refuse(*peer, ErrorCode::ShuttingDown, "the wall is shutting down"); break;
+      case TileRoster::Refusal::ShuttingDown:
+        refuse(*peer, ErrorCode::ShuttingDown, "the wall is shutting down");
+        break;
     }
     co_return;
   }

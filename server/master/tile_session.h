@@ -28,8 +28,9 @@ struct SessionContext {
   int handshakes = 0;  ///< connections that have not said who they are; network thread only
 };
 
-/// Speaks with one connection from its Hello to its end: binds it to the tile it names, then hands what it says
-/// to the roster and the pictures. A peer that breaks the protocol is told why and closed; nobody else notices.
+/// Speaks with one connection from its Hello to its end: binds it to the tile it names, then hands what it
+/// says to the roster and the pictures. A peer that breaks the protocol is told why and closed; nobody else
+/// notices.
 [[nodiscard]] net::awaitable<void> serveTile(std::shared_ptr<net::Connection> peer, SessionContext& context);
 
 }  // namespace tessera

@@ -1,17 +1,17 @@
 #include "server/supervisor/tile_process.h"
 
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+
 #include <fcntl.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <array>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
-#include <thread>
 
 namespace tessera {
 
@@ -39,7 +39,8 @@ std::vector<std::string> tileEnvironment(bool singleThreaded) {
 
 std::vector<char*> pointers(std::vector<std::string>& strings) {
   std::vector<char*> out;
-  for (std::string& s : strings) out.push_back(s.data());
+  for (std::string& s : strings)
+    out.push_back(s.data());
   out.push_back(nullptr);
   return out;
 }
@@ -51,11 +52,12 @@ struct TileProcesses::Output : std::enable_shared_from_this<Output> {
   Output(net::asio::io_context& io, int fd, std::string tile) : pipe(io, fd), tileName(std::move(tile)) {}
 
   void readOn() {
-    pipe.async_read_some(net::asio::buffer(block), [self = shared_from_this()](const net::error_code& ec, std::size_t n) {
-      if (ec) return;
-      self->take(std::string_view(self->block.data(), n));
-      self->readOn();
-    });
+    pipe.async_read_some(net::asio::buffer(block),
+                         [self = shared_from_this()](const net::error_code& ec, std::size_t n) {
+                           if (ec) return;
+                           self->take(std::string_view(self->block.data(), n));
+                           self->readOn();
+                         });
   }
 
   void take(std::string_view text) {
@@ -84,7 +86,9 @@ struct TileProcesses::Output : std::enable_shared_from_this<Output> {
 TileProcesses::TileProcesses(net::asio::io_context& io, TileProcessOptions options)
     : io_(io), options_(std::move(options)) {}
 
-TileProcesses::~TileProcesses() { end(std::chrono::milliseconds(0)); }
+TileProcesses::~TileProcesses() {
+  end(std::chrono::milliseconds(0));
+}
 
 Status TileProcesses::start(const std::string& tileName) {
   children_.push_back({.tileName = tileName, .output = nullptr});
@@ -92,13 +96,15 @@ Status TileProcesses::start(const std::string& tileName) {
 }
 
 Status TileProcesses::launch(Child& child) {
-  std::vector<std::string> arguments = {options_.program.string(), "--connect", options_.masterAddress, "--tile",
-                                        child.tileName,            "--surface", options_.surface};
+  std::vector<std::string> arguments = {
+      options_.program.string(), "--connect", options_.masterAddress, "--tile", child.tileName, "--surface",
+      options_.surface};
   std::vector<std::string> environment = tileEnvironment(options_.singleThreadedDrawing);
   // All that allocates is done before the fork: this process has threads.
   const std::vector<char*> argv = pointers(arguments), envp = pointers(environment);
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) return runtimeError("tile " + child.tileName, std::string("no pipe: ") + std::strerror(errno));
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    return runtimeError("tile " + child.tileName, std::string("no pipe: ") + std::strerror(errno));
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid == 0) {
@@ -141,8 +147,9 @@ Status TileProcesses::check(bool mayRestart) {
     if (!collect(child, status)) continue;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));  // for what is still in the pipe
     const std::string words = child.output->lastWords();
-    const Error died = runtimeError("tile " + child.tileName,
-                                    "its process " + endingOf(status) + (words.empty() ? "" : ", its last words: " + words));
+    const Error died =
+        runtimeError("tile " + child.tileName,
+                     "its process " + endingOf(status) + (words.empty() ? "" : ", its last words: " + words));
     if (!mayRestart) return died;
     if (child.starts >= kMaxStarts) {
       spdlog::error("{}; it is not started again", died.text());
@@ -185,7 +192,8 @@ Result<std::filesystem::path> findTileProgram() {
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ec);
   std::filesystem::path program = self.parent_path() / "tessera-tile";
   if (ec || !std::filesystem::exists(program, ec)) {
-    return runtimeError(program.string(), "the tile program is missing", "build it, or name it in TESSERA_TILE_PROGRAM");
+    return runtimeError(program.string(), "the tile program is missing",
+                        "build it, or name it in TESSERA_TILE_PROGRAM");
   }
   return program;
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -10,6 +8,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <sys/types.h>
 
 #include "common/base/result.h"
 #include "common/net/asio.h"
@@ -20,13 +20,14 @@ namespace tessera {
 struct TileProcessOptions {
   std::filesystem::path program;  ///< tessera-tile
   std::string masterAddress;
-  std::string surface;            ///< as for --surface
-  bool singleThreadedDrawing = false;  ///< there are no fewer tiles than cores: llvmpipe shall not start threads
+  std::string surface;  ///< as for --surface
+  bool singleThreadedDrawing =
+      false;  ///< there are no fewer tiles than cores: llvmpipe shall not start threads
 };
 
-/// The tile processes of a run: starts them, forwards what they say to the log, starts one that dies again a few
-/// times, ends them all. They die with this process, however it ends. Used by one thread; their output is read
-/// on the io context's thread.
+/// The tile processes of a run: starts them, forwards what they say to the log, starts one that dies again a
+/// few times, ends them all. They die with this process, however it ends. Used by one thread; their output is
+/// read on the io context's thread.
 class TileProcesses {
  public:
   TileProcesses(net::asio::io_context& io, TileProcessOptions options);
@@ -36,8 +37,8 @@ class TileProcesses {
 
   [[nodiscard]] Status start(const std::string& tileName);
 
-  /// Collects those that ended. One that fails before it ever was part of the wall is an error with its last words;
-  /// `mayRestart`: others are started again, at most three times each.
+  /// Collects those that ended. One that fails before it ever was part of the wall is an error with its last
+  /// words; `mayRestart`: others are started again, at most three times each.
   [[nodiscard]] Status check(bool mayRestart);
 
   /// Waits for all to end by themselves, asks the rest with SIGTERM, then kills. At most about a second.

@@ -1,18 +1,18 @@
 // Starting, stopping, dying and misbehaving: whole programs over loopback.
 
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <thread>
+
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <nlohmann/json.hpp>
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cstring>
-#include <fstream>
-#include <memory>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include "proto/codec.h"
 #include "tests/programs/small_scene.h"
@@ -40,13 +40,16 @@ class RawPeer {
   RawPeer(const RawPeer&) = delete;
   RawPeer& operator=(const RawPeer&) = delete;
   [[nodiscard]] bool connected() const { return connected_; }
-  void say(std::span<const std::byte> bytes) const { (void)!::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
+  void say(std::span<const std::byte> bytes) const {
+    (void)!::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
   void endWriting() const { ::shutdown(socket_, SHUT_WR); }
   /// Everything until the other side closes.
   [[nodiscard]] std::string hear() const {
     std::string all;
     char block[4096];
-    for (ssize_t n; (n = ::recv(socket_, block, sizeof block, 0)) > 0;) all.append(block, static_cast<std::size_t>(n));
+    for (ssize_t n; (n = ::recv(socket_, block, sizeof block, 0)) > 0;)
+      all.append(block, static_cast<std::size_t>(n));
     return all;
   }
 
@@ -64,14 +67,15 @@ std::vector<std::byte> bytesOf(const std::string& text) {
 class Lifecycle : public ::testing::Test {
  protected:
   std::vector<std::string> runArguments(int frames, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {program("tessera"), "run",  "--wall",   wall_, "--scene", scene_,
-                                          "--frames",         std::to_string(frames)};
+    std::vector<std::string> arguments = {program("tessera"), "run",  "--wall",   wall_,
+                                          "--scene",          scene_, "--frames", std::to_string(frames)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
   std::vector<std::string> serveArguments(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {program("tessera"), "serve",  "--wall", wall_,         "--scene",
-                                          scene_,             "--listen", "127.0.0.1:0", "--fps", "50"};
+    std::vector<std::string> arguments = {
+        program("tessera"), "serve",       "--wall", wall_, "--scene", scene_,
+        "--listen",         "127.0.0.1:0", "--fps",  "50"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -80,14 +84,22 @@ class Lifecycle : public ::testing::Test {
     const std::string out = master.out();
     return std::atoi(out.c_str() + out.find("127.0.0.1:") + 10);
   }
-  static std::vector<std::string> tileArguments(int port, const std::string& name, const std::string& surface = "none") {
-    return {program("tessera-tile"), "--connect", "127.0.0.1:" + std::to_string(port), "--tile", name, "--surface", surface};
+  static std::vector<std::string> tileArguments(int port, const std::string& name,
+                                                const std::string& surface = "none") {
+    return {program("tessera-tile"),
+            "--connect",
+            "127.0.0.1:" + std::to_string(port),
+            "--tile",
+            name,
+            "--surface",
+            surface};
   }
   /// Tiles of a wall run by `tessera run` whose arguments hold this test's folder are found by their parent.
   static std::vector<pid_t> childrenOf(pid_t parent) {
     std::vector<pid_t> children;
     std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
-    for (pid_t child; in >> child;) children.push_back(child);
+    for (pid_t child; in >> child;)
+      children.push_back(child);
     return children;
   }
   static bool isGone(pid_t pid) { return ::kill(pid, 0) != 0; }
@@ -127,7 +139,8 @@ TEST_P(LifecycleSignal, EndsEverythingWithinTwoSecondsWithoutOrphans) {
   const Outcome outcome = wall.wait(seconds(10));
   EXPECT_LT(std::chrono::steady_clock::now() - start, milliseconds(2000));
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  for (const pid_t tile : tiles) EXPECT_TRUE(isGone(tile)) << "tile process " << tile << " is left";
+  for (const pid_t tile : tiles)
+    EXPECT_TRUE(isGone(tile)) << "tile process " << tile << " is left";
   EXPECT_GT(report(folder_ / "report.json").at("frames"), 1);
 }
 
@@ -142,7 +155,8 @@ TEST_F(Lifecycle, TilesDieWithAMasterThatIsKilled) {
   wall.signal(SIGKILL);
   (void)wall.wait(seconds(5));
   std::this_thread::sleep_for(seconds(1));
-  for (const pid_t tile : tiles) EXPECT_TRUE(isGone(tile)) << "tile process " << tile << " is left";
+  for (const pid_t tile : tiles)
+    EXPECT_TRUE(isGone(tile)) << "tile process " << tile << " is left";
 }
 
 TEST_F(Lifecycle, ATileThatDiesIsStartedAgainAndTheWallGoesOn) {
@@ -165,7 +179,8 @@ TEST_F(Lifecycle, ATileThatDiesIsStartedAgainAndTheWallGoesOn) {
 }
 
 TEST_F(Lifecycle, ATileThatStopsIsLeftBehind) {
-  Process wall(runArguments(150, {"--fps", "50", "--frame-deadline", "0.3", "--json", folder_ / "report.json"}));
+  Process wall(
+      runArguments(150, {"--fps", "50", "--frame-deadline", "0.3", "--json", folder_ / "report.json"}));
   std::this_thread::sleep_for(seconds(2));
   const std::vector<pid_t> tiles = childrenOf(wall.pid());
   ASSERT_EQ(tiles.size(), 4U) << wall.err();
@@ -176,7 +191,8 @@ TEST_F(Lifecycle, ATileThatStopsIsLeftBehind) {
   EXPECT_TRUE(isGone(tiles[2]));
   int whole = 0;
   const auto json = report(folder_ / "report.json");
-  for (const auto& [name, tile] : json.at("tiles").items()) whole += tile.at("frames_shown") == 150 ? 1 : 0;
+  for (const auto& [name, tile] : json.at("tiles").items())
+    whole += tile.at("frames_shown") == 150 ? 1 : 0;
   EXPECT_EQ(whole, 3);
 }
 
@@ -203,7 +219,8 @@ TEST_F(Lifecycle, ServeSpeaksWithTilesFromElsewhere) {
     EXPECT_EQ(ended.status, 0) << ended.err;
   }
   const auto json = report(folder_ / "report.json");
-  for (const auto& [name, tile] : json.at("tiles").items()) EXPECT_EQ(tile.at("frames_shown"), 20) << name;
+  for (const auto& [name, tile] : json.at("tiles").items())
+    EXPECT_EQ(tile.at("frames_shown"), 20) << name;
 }
 
 TEST_F(Lifecycle, AnUnknownTileAndASecondOneOfTheSameNameAreRefused) {
@@ -241,7 +258,8 @@ TEST_F(Lifecycle, GarbagePeersDisturbNobody) {
   Process master(serveArguments({"--frames", "150", "--json", folder_ / "report.json"}));
   const int port = portOf(master);
   std::vector<std::unique_ptr<Process>> tiles;
-  for (const char* name : {"r0c0", "r0c1", "r1c0", "r1c1"}) tiles.push_back(std::make_unique<Process>(tileArguments(port, name)));
+  for (const char* name : {"r0c0", "r0c1", "r1c0", "r1c1"})
+    tiles.push_back(std::make_unique<Process>(tileArguments(port, name)));
   ASSERT_TRUE(tiles.back()->pid() > 0);
 
   proto::Hello hello;
@@ -284,7 +302,8 @@ TEST_F(Lifecycle, GarbagePeersDisturbNobody) {
 }
 
 TEST_F(Lifecycle, LateTilesJoinARunningWall) {
-  Process master(serveArguments({"--frames", "150", "--tiles-deadline", "0.5", "--json", folder_ / "report.json"}));
+  Process master(
+      serveArguments({"--frames", "150", "--tiles-deadline", "0.5", "--json", folder_ / "report.json"}));
   const int port = portOf(master);
   Process early(tileArguments(port, "r0c0", "offscreen"));
   std::this_thread::sleep_for(milliseconds(1500));

@@ -1,11 +1,11 @@
 // A wall stitched from its tiles against the same wall drawn as one picture with nothing culled.
 
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "common/image/picture.h"
 #include "tests/support/process.h"
@@ -28,14 +28,17 @@ class StitchedWall : public ::testing::TestWithParam<Case> {
     const std::string name = GetParam().scene;
     if (name != "made:powerplant") return sharedScene(name);
     const std::string path = folder_ / "powerplant.glb";
-    const Outcome made = run({program("tessera"), "scene", "make", "powerplant", "--triangles", "200000", "--out", path}, seconds(60));
+    const Outcome made =
+        run({program("tessera"), "scene", "make", "powerplant", "--triangles", "200000", "--out", path},
+            seconds(60));
     EXPECT_EQ(made.status, 0) << made.err;
     return path;
   }
 
-  std::vector<std::string> runArguments(const std::string& scene, const std::string& wall, const std::string& out) {
-    return {program("tessera"), "run",  "--wall",   wall,  "--scene", scene, "--camera", config(GetParam().camera),
-            "--frames",         "3",    "--out",    out};
+  std::vector<std::string> runArguments(const std::string& scene, const std::string& wall,
+                                        const std::string& out) {
+    return {program("tessera"),        "run",      "--wall", wall,    "--scene", scene, "--camera",
+            config(GetParam().camera), "--frames", "3",      "--out", out};
   }
 
   void compareWall(const std::string& scene, const std::string& wall, const std::string& name) {
@@ -60,13 +63,15 @@ class StitchedWall : public ::testing::TestWithParam<Case> {
     }
     std::ifstream in(tiled + "/report.json");
     const auto report = nlohmann::json::parse(in);
-    for (const auto& [tile, entry] : report.at("tiles").items()) EXPECT_EQ(entry.at("frames_shown"), 3) << tile;
+    for (const auto& [tile, entry] : report.at("tiles").items())
+      EXPECT_EQ(entry.at("frames_shown"), 3) << tile;
   }
 
   static std::size_t differentColours(const Picture& picture) {
     std::set<std::uint32_t> colours;
     for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3) {
-      colours.insert(std::uint32_t{picture.rgb[i]} << 16 | std::uint32_t{picture.rgb[i + 1]} << 8 | picture.rgb[i + 2]);
+      colours.insert(std::uint32_t{picture.rgb[i]} << 16 | std::uint32_t{picture.rgb[i + 1]} << 8 |
+                     picture.rgb[i + 2]);
     }
     return colours.size();
   }
@@ -77,21 +82,26 @@ class StitchedWall : public ::testing::TestWithParam<Case> {
 TEST_P(StitchedWall, EqualsTheUntiledUnculledPicture) {
   const std::string path = scene();
   if (path.empty()) GTEST_SKIP() << "the folder ../shared/scenes is not there";
-  compareWall(path, folder_.write("2x2.json", R"({"grid": {"columns": 2, "rows": 2, "tile_px": [480, 270]}})"), "2x2");
-  compareWall(path, folder_.write("4x4.json", R"({"grid": {"columns": 4, "rows": 4, "tile_px": [200, 112]}})"), "4x4");
-  compareWall(path, folder_.write("3x2.json", R"({"grid": {"columns": 3, "rows": 2, "tile_px": [256, 192]}})"), "3x2");
+  compareWall(path,
+              folder_.write("2x2.json", R"({"grid": {"columns": 2, "rows": 2, "tile_px": [480, 270]}})"),
+              "2x2");
+  compareWall(path,
+              folder_.write("4x4.json", R"({"grid": {"columns": 4, "rows": 4, "tile_px": [200, 112]}})"),
+              "4x4");
+  compareWall(path,
+              folder_.write("3x2.json", R"({"grid": {"columns": 3, "rows": 2, "tile_px": [256, 192]}})"),
+              "3x2");
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Scenes, StitchedWall,
-    ::testing::Values(Case{"powerplant", "made:powerplant", "fly.camera.json"},
-                      Case{"munich", "city/munich.glb", "orbit.camera.json"},
-                      Case{"denhaag", "city/denhaag.glb", "fly.camera.json"},
-                      Case{"engine", "models/2CylinderEngine.glb", "orbit.camera.json"},
-                      Case{"quake", "maps/czest2ctf.glb", "fly.camera.json"},
-                      Case{"cow", "osg/cow.osgt", "orbit.camera.json"},
-                      Case{"billboards", "osg/lz.osgt", "orbit.camera.json"}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Scenes, StitchedWall,
+                         ::testing::Values(Case{"powerplant", "made:powerplant", "fly.camera.json"},
+                                           Case{"munich", "city/munich.glb", "orbit.camera.json"},
+                                           Case{"denhaag", "city/denhaag.glb", "fly.camera.json"},
+                                           Case{"engine", "models/2CylinderEngine.glb", "orbit.camera.json"},
+                                           Case{"quake", "maps/czest2ctf.glb", "fly.camera.json"},
+                                           Case{"cow", "osg/cow.osgt", "orbit.camera.json"},
+                                           Case{"billboards", "osg/lz.osgt", "orbit.camera.json"}),
+                         [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace tessera::test

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <array>
-#include <boost/multiprecision/cpp_int.hpp>
 #include <vector>
+
+#include <boost/multiprecision/cpp_int.hpp>
 
 #include "common/geometry/frustum.h"
 
@@ -15,14 +16,16 @@ class ExactFrustum {
  public:
   explicit ExactFrustum(const Frustum& frustum) : eye_(exact(frustum.eye)) {
     for (std::size_t i = 0; i < 4; ++i) {
-      const Point a = minus(exact(frustum.corners[i]), eye_), b = minus(exact(frustum.corners[(i + 1) % 4]), eye_);
+      const Point a = minus(exact(frustum.corners[i]), eye_),
+                  b = minus(exact(frustum.corners[(i + 1) % 4]), eye_);
       sides_[i] = {b[1] * a[2] - b[2] * a[1], b[2] * a[0] - b[0] * a[2], b[0] * a[1] - b[1] * a[0]};
     }
   }
 
   [[nodiscard]] bool meets(const std::array<Vec3, 3>& triangle) const {
     std::vector<Point> polygon;
-    for (const Vec3& v : triangle) polygon.push_back(minus(exact(v), eye_));
+    for (const Vec3& v : triangle)
+      polygon.push_back(minus(exact(v), eye_));
     for (const Point& side : sides_) {
       polygon = clipped(polygon, side);
       if (polygon.empty()) return false;

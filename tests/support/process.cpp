@@ -1,16 +1,16 @@
 #include "tests/support/process.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace tessera::test {
 
@@ -37,23 +37,27 @@ bool poll(std::chrono::milliseconds deadline, Done done) {
 
 std::string freshName(const char* kind) {
   static std::atomic<int> count{0};
-  return fs::temp_directory_path() / ("tessera-test-" + std::to_string(::getpid()) + "-" + std::to_string(++count) + "-" + kind);
+  return fs::temp_directory_path() /
+         ("tessera-test-" + std::to_string(::getpid()) + "-" + std::to_string(++count) + "-" + kind);
 }
 
 }  // namespace
 
-Process::Process(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment)
+Process::Process(const std::vector<std::string>& arguments,
+                 const std::map<std::string, std::string>& environment)
     : outFile_(freshName("out")), errFile_(freshName("err")) {
   std::vector<std::string> copy = arguments;
   std::vector<char*> argv;
-  for (std::string& a : copy) argv.push_back(a.data());
+  for (std::string& a : copy)
+    argv.push_back(a.data());
   argv.push_back(nullptr);
   std::ofstream(outFile_).close();
   std::ofstream(errFile_).close();
   pid_ = ::fork();
   if (pid_ == 0) {
     ::setpgid(0, 0);
-    for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
+    for (const auto& [name, value] : environment)
+      ::setenv(name.c_str(), value.c_str(), 1);
     ::dup2(::open("/dev/null", O_RDONLY), 0);
     ::dup2(::open(outFile_.c_str(), O_WRONLY | O_APPEND), 1);
     ::dup2(::open(errFile_.c_str(), O_WRONLY | O_APPEND), 2);
@@ -72,7 +76,9 @@ Process::~Process() {
   fs::remove(errFile_);
 }
 
-void Process::signal(int number) const { ::kill(pid_, number); }
+void Process::signal(int number) const {
+  ::kill(pid_, number);
+}
 
 bool Process::ended() const {
   if (!reaped_ && ::waitpid(pid_, &status_, WNOHANG) == pid_) reaped_ = true;
@@ -93,8 +99,12 @@ Outcome Process::wait(std::chrono::milliseconds deadline) {
   return outcome;
 }
 
-std::string Process::out() const { return slurp(outFile_); }
-std::string Process::err() const { return slurp(errFile_); }
+std::string Process::out() const {
+  return slurp(outFile_);
+}
+std::string Process::err() const {
+  return slurp(errFile_);
+}
 
 bool Process::waitForOut(const std::string& text, std::chrono::milliseconds deadline) const {
   (void)poll(deadline, [&] { return out().find(text) != std::string::npos || ended(); });
@@ -117,13 +127,17 @@ std::vector<pid_t> processesWith(const std::string& text) {
     const std::string name = entry.path().filename();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
     std::string command = slurp(entry.path() / "cmdline");
-    for (char& c : command) c = c == '\0' ? ' ' : c;
-    if (command.find(text) != std::string::npos && std::stoi(name) != ::getpid()) found.push_back(std::stoi(name));
+    for (char& c : command)
+      c = c == '\0' ? ' ' : c;
+    if (command.find(text) != std::string::npos && std::stoi(name) != ::getpid())
+      found.push_back(std::stoi(name));
   }
   return found;
 }
 
-TemporaryFolder::TemporaryFolder() : path_(freshName("folder")) { fs::create_directories(path_); }
+TemporaryFolder::TemporaryFolder() : path_(freshName("folder")) {
+  fs::create_directories(path_);
+}
 
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;
@@ -135,13 +149,17 @@ std::string TemporaryFolder::write(const std::string& name, const std::string& c
   return path_ + "/" + name;
 }
 
-std::string program(const std::string& name) { return std::string(TESSERA_BIN_DIR) + "/" + name; }
+std::string program(const std::string& name) {
+  return std::string(TESSERA_BIN_DIR) + "/" + name;
+}
 
 std::string sharedScene(const std::string& name) {
   const fs::path path = fs::path(TESSERA_SOURCE_DIR).parent_path() / "shared/scenes" / name;
   return fs::exists(path) ? path.string() : std::string();
 }
 
-std::string config(const std::string& name) { return std::string(TESSERA_SOURCE_DIR) + "/configs/" + name; }
+std::string config(const std::string& name) {
+  return std::string(TESSERA_SOURCE_DIR) + "/configs/" + name;
+}
 
 }  // namespace tessera::test

@@ -1,23 +1,24 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
 #include <map>
 #include <string>
 #include <vector>
 
+#include <sys/types.h>
+
 namespace tessera::test {
 
 struct Outcome {
-  int status = -1;       ///< exit status; 128 + signal where one ended it; -1: it had to be killed at the deadline
+  int status = -1;  ///< exit status; 128 + signal where one ended it; -1: it had to be killed at the deadline
   std::string out, err;
 };
 
 /// A program under test with its output in files. Killed, with its whole process group, when this goes away.
 class Process {
  public:
-  Process(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {});
+  Process(const std::vector<std::string>& arguments,
+          const std::map<std::string, std::string>& environment = {});
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -42,7 +43,8 @@ class Process {
 };
 
 /// Runs a program to its end.
-Outcome run(const std::vector<std::string>& arguments, std::chrono::milliseconds deadline = std::chrono::seconds(60),
+Outcome run(const std::vector<std::string>& arguments,
+            std::chrono::milliseconds deadline = std::chrono::seconds(60),
             const std::map<std::string, std::string>& environment = {});
 
 /// Processes of this program name that descend from `ancestor`, or (0) any with `text` in their command line.

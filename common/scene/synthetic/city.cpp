@@ -228,7 +228,8 @@ class CityBuilder {
     }
     for (std::uint32_t lot = 0; lot < kLots * kLots && left_ > 0; ++lot) {
       const double x = (lot % kLots - 1.0) * (kLotM + 0.7);
-      const double z = (lot / kLots - 1.0) * (kLotM + 0.7);
+      const std::uint32_t row = lot / kLots;
+      const double z = (row - 1.0) * (kLotM + 0.7);
       if (random_.chance(0.06)) continue;
       const double height =
           6 + 14 * random_.unit() + 150 * central * central * central * (0.3 + random_.unit());

@@ -34,6 +34,7 @@ std::vector<CurvePoint> archOf(const ArchBay& bay, std::uint32_t half) {
     right[i] = {{x, y}, Vec2(-a.cos * stretch, -a.sin).normalized()};
   }
   std::vector<CurvePoint> all;
+  all.reserve(2 * right.size());
   for (const CurvePoint& p : right) {
     all.push_back({{-p.position.x(), p.position.y()}, {-p.normal.x(), p.normal.y()}});
   }

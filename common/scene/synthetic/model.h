@@ -40,9 +40,9 @@ class Model {
     return static_cast<std::uint32_t>(nodes_.size()) - leafCount_;
   }
 
-  /// Splits the largest groups into neighbouring halves until there are `groupCount` groups.
+  /// Splits the largest groups into neighbouring halves until there are `wanted` groups.
   /// False where there already are more, or too few leaves.
-  [[nodiscard]] bool splitGroupsTo(std::uint32_t groupCount);
+  [[nodiscard]] bool splitGroupsTo(std::uint32_t wanted);
 
   /// Triangles as placed: a shared form counts once for each leaf.
   [[nodiscard]] std::uint64_t triangleCount(double level) const;

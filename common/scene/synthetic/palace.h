@@ -45,7 +45,7 @@ struct Arcade {
   double heightM = 6;
   double depthM = 5;
 };
-void addArcade(Palace& palace, GroupId parent, const Arcade& arcade);
+void addArcade(Palace& palace, GroupId parent, const Arcade& spec);
 
 void addMosque(Palace& palace, GroupId root);
 void addGreatGate(Palace& palace, GroupId root);

@@ -191,11 +191,12 @@ void addGarden(Palace& palace, GroupId root, std::uint32_t leafCount) {
     // A last bed of one plant would be a group with one child.
     if (i % kPerBed == 0 && i + 2 < leafCount) {
       const std::uint32_t number = i / kPerBed;
-      bed = model.group(garden, named("Bed", number + 1),
-                        at(5 + 14.0 * (number % 3), 0.2, 4.5 + 14.0 * (number / 3)));
+      const std::uint32_t row = number / 3;
+      bed = model.group(garden, named("Bed", number + 1), at(5 + 14.0 * (number % 3), 0.2, 4.5 + 14.0 * row));
     }
     const double r = palace.random.between(1.2, 2);
-    const Placement where = at(4.5 * (i % 2), 0, 4.5 * (i % kPerBed / 2));
+    const std::uint32_t back = i % kPerBed / 2;
+    const Placement where = at(4.5 * (i % 2), 0, 4.5 * back);
     if (palace.random.chance(0.4)) {
       model.leaf(bed, "Cypress", palace.stone.foliage,
                  {turned({0, 0.3, 0}, {arc({0, 3.6}, {r * 0.7, 3.6}, -kPi / 2, kPi / 2)}),

@@ -39,8 +39,8 @@ void addFence(Plant& plant, GroupId site) {
       plant.model.leaf(group, "Panel " + std::to_string(i + 1), panel, at(kPanelM * i, 0, 0));
     }
   };
-  side("North side", {-149, 0, -99.4}, 0, 12);
-  side("South side", {-149, 0, 99.4}, 0, 12);
+  side("North side", {-150, 0, -99.4}, 0, 12);
+  side("South side", {-150, 0, 99.4}, 0, 12);
   side("West side", {-149.4, 0, 30}, kPi / 2, 5);
   side("East side", {149.4, 0, 30}, kPi / 2, 5);
 }
@@ -166,7 +166,8 @@ void addLaydownYard(Plant& plant, GroupId root, std::uint32_t leafCount) {
   for (std::uint32_t i = 0; i + 1 < leafCount; ++i) {
     // A last row of one item would be a group with one child.
     if (i % kBays == 0 && i + 2 < leafCount) {
-      row = model.group(yard, "Row " + std::to_string(i / kBays + 1), at(0.5, 0.1, 2.6 * (i / kBays)));
+      const std::uint32_t number = i / kBays;
+      row = model.group(yard, "Row " + std::to_string(number + 1), at(0.5, 0.1, 2.6 * number));
     }
     const Placement place = at(2.6 * (i % kBays), 0, 0);
     const std::uint32_t colour = colours[plant.random.index(static_cast<std::uint32_t>(colours.size()))];

@@ -39,7 +39,7 @@ std::uint64_t count(const Lathe& lathe, const Detail& detail) {
   const std::uint32_t around = segmentsOf(lathe, detail);
   std::uint64_t perSegment = 0;
   for (const Curve& curve : lathe.profile) {
-    perSegment += 2 * ringsOf(curve, around, detail);
+    perSegment += 2ULL * ringsOf(curve, around, detail);
     if (onAxis(evaluate(curve, 0))) --perSegment;
     if (onAxis(evaluate(curve, 1))) --perSegment;
   }

@@ -1,13 +1,13 @@
 #include "common/cull/culler.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "common/wall/wall.h"
 #include "tests/support/exact_frustum.h"
@@ -26,7 +26,8 @@ Wall gridWall(int columns, int rows, double fovYDeg) {
   wall.fovYRad = fovYDeg * std::numbers::pi / 180;
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < columns; ++c) {
-      wall.tiles.push_back({.name = "r" + std::to_string(r) + "c" + std::to_string(c), .column = c, .row = r});
+      wall.tiles.push_back(
+          {.name = "r" + std::to_string(r) + "c" + std::to_string(c), .column = c, .row = r});
     }
   }
   return wall;
@@ -41,11 +42,14 @@ struct TestScene {
     ObjectHierarchyBuilder builder;
     int open = 0;
     for (const Triangle& t : leaves) {
-      while (open > 0 && random() % 3 == 0) builder.closeNode(), --open;
-      while (random() % 3 == 0) builder.openNode(), ++open;
+      while (open > 0 && random() % 3 == 0)
+        builder.closeNode(), --open;
+      while (random() % 3 == 0)
+        builder.openNode(), ++open;
       builder.addLeaf(boundsOf(t, Vec3::Zero()));
     }
-    while (open-- > 0) builder.closeNode();
+    while (open-- > 0)
+      builder.closeNode();
     hierarchy = builder.finish();
   }
 };
@@ -68,7 +72,8 @@ class CullerContract : public ::testing::TestWithParam<Setting> {
     const Vec3 onPlane = tile.eye + depth * (a + unit01_(random_) * (b - a) - tile.eye);
     Triangle triangle = {onPlane, onPlane, onPlane};
     const double spread = std::pow(10.0, -8 * unit01_(random_)) * (onPlane - tile.eye).norm();
-    for (std::size_t k = 1; k < 3; ++k) triangle[k] += spread * Vec3(unit_(random_), unit_(random_), unit_(random_));
+    for (std::size_t k = 1; k < 3; ++k)
+      triangle[k] += spread * Vec3(unit_(random_), unit_(random_), unit_(random_));
     for (Vec3& v : triangle) {
       for (double& x : v) {
         if (random_() % 4 == 0) x = std::nextafter(x, random_() % 2 ? 1e300 : -1e300);
@@ -77,7 +82,9 @@ class CullerContract : public ::testing::TestWithParam<Setting> {
     return triangle;
   }
   Triangle anyTriangle(const Vec3& center, double size) {
-    const auto point = [&](double s) { return Vec3(s * unit_(random_), s * unit_(random_), s * unit_(random_)); };
+    const auto point = [&](double s) {
+      return Vec3(s * unit_(random_), s * unit_(random_), s * unit_(random_));
+    };
     const Vec3 middle = center + point(size);
     const double small = size * std::pow(10.0, -3 * unit01_(random_));
     return {middle + point(small), middle + point(small), middle + point(small)};
@@ -94,11 +101,14 @@ TEST_P(CullerContract, NeverDropsALeafThatMeetsATile) {
   for (int round = 0; round < 4; ++round) {
     const Vec3 eye = center + s.size * Vec3(unit_(random_), unit_(random_), unit_(random_));
     const Vec3 target = eye + s.size * Vec3(unit_(random_), 0.3 * unit_(random_), unit_(random_));
-    WallView view = viewOf(wall, {.eye = eye, .target = target, .up = Vec3(0, 1, 0), .fovYRad = {}}, center, 2 * s.size);
+    WallView view =
+        viewOf(wall, {.eye = eye, .target = target, .up = Vec3(0, 1, 0), .fovYRad = {}}, center, 2 * s.size);
     view.wall.near = view.wall.far = std::nullopt;
     TestScene scene;
-    for (int i = 0; i < 60; ++i) scene.leaves.push_back(anyTriangle(center, s.size));
-    for (int i = 0; i < 60; ++i) scene.leaves.push_back(hardTriangle(view));
+    for (int i = 0; i < 60; ++i)
+      scene.leaves.push_back(anyTriangle(center, s.size));
+    for (int i = 0; i < 60; ++i)
+      scene.leaves.push_back(hardTriangle(view));
     scene.build(random_);
     FrustumHierarchy frusta(static_cast<std::uint16_t>(s.columns), static_cast<std::uint16_t>(s.rows));
     frusta.update(view.wall, view.tiles);
@@ -106,9 +116,11 @@ TEST_P(CullerContract, NeverDropsALeafThatMeetsATile) {
     std::vector<std::vector<bool>> meets(view.tiles.size(), std::vector<bool>(scene.leaves.size()));
     for (std::size_t tile = 0; tile < view.tiles.size(); ++tile) {
       const test::ExactFrustum exact(view.tiles[tile]);
-      for (std::size_t leaf = 0; leaf < scene.leaves.size(); ++leaf) meets[tile][leaf] = exact.meets(scene.leaves[leaf]);
+      for (std::size_t leaf = 0; leaf < scene.leaves.size(); ++leaf)
+        meets[tile][leaf] = exact.meets(scene.leaves[leaf]);
     }
-    for (const Algorithm algorithm : {Algorithm::None, Algorithm::Naive, Algorithm::Oh, Algorithm::Adaptive}) {
+    for (const Algorithm algorithm :
+         {Algorithm::None, Algorithm::Naive, Algorithm::Oh, Algorithm::Adaptive}) {
       for (const BoundsKind bounds : {BoundsKind::Sphere, BoundsKind::Aabb, BoundsKind::Obb}) {
         Culler culler(scene.hierarchy, {.algorithm = algorithm, .bounds = bounds});
         const Result& result = culler.cull(frusta);
@@ -129,10 +141,13 @@ TEST_P(CullerContract, HierarchiesAddHardlyAnyLeafToNaiveCulling) {
   const Setting& s = GetParam();
   const Wall wall = gridWall(s.columns, s.rows, s.fovYDeg);
   const Vec3 center(s.offset, s.offset / 3, -s.offset / 7);
-  const WallView view = viewOf(wall, {.eye = center + s.size * Vec3(0.1, 0.2, 1.5), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}},
-                               center, 2 * s.size);
+  const WallView view = viewOf(
+      wall,
+      {.eye = center + s.size * Vec3(0.1, 0.2, 1.5), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}},
+      center, 2 * s.size);
   TestScene scene;
-  for (int i = 0; i < 2000; ++i) scene.leaves.push_back(anyTriangle(center, s.size));
+  for (int i = 0; i < 2000; ++i)
+    scene.leaves.push_back(anyTriangle(center, s.size));
   scene.build(random_);
   FrustumHierarchy frusta(static_cast<std::uint16_t>(s.columns), static_cast<std::uint16_t>(s.rows));
   frusta.update(view.wall, view.tiles);
@@ -144,18 +159,23 @@ TEST_P(CullerContract, HierarchiesAddHardlyAnyLeafToNaiveCulling) {
   }
   const double naive = static_cast<double>(pairs[0]);
   EXPECT_GT(pairs[0], 0U);
-  // The tests of one box are the same; only rounding margins of shared planes, and parents fully inside, differ.
-  EXPECT_NEAR(static_cast<double>(pairs[1]), naive, 0.002 * naive + 2);
-  EXPECT_NEAR(static_cast<double>(pairs[2]), naive, 0.002 * naive + 2);
+  // Parents that are fully inside, and the margins of shared planes, may add a little; bisection planes
+  // further up are more planes to be outside of, so the adaptive method may also list less.
+  for (const std::uint64_t hierarchical : {pairs[1], pairs[2]}) {
+    EXPECT_LE(static_cast<double>(hierarchical), 1.002 * naive + 2);
+    EXPECT_GE(static_cast<double>(hierarchical), 0.98 * naive - 2);
+  }
 }
 
 TEST_P(CullerContract, UnionOverTilesIsTheWallsOwnList) {
   const Setting& s = GetParam();
   const Wall wall = gridWall(s.columns, s.rows, s.fovYDeg);
   const Vec3 center(s.offset, s.offset / 3, -s.offset / 7);
-  const CameraPose pose{.eye = center + s.size * Vec3(0.3, 0.1, 0.4), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}};
+  const CameraPose pose{
+      .eye = center + s.size * Vec3(0.3, 0.1, 0.4), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}};
   TestScene scene;
-  for (int i = 0; i < 2000; ++i) scene.leaves.push_back(anyTriangle(center, s.size));
+  for (int i = 0; i < 2000; ++i)
+    scene.leaves.push_back(anyTriangle(center, s.size));
   scene.build(random_);
   const auto listsOf = [&](const Wall& w) {
     const WallView view = viewOf(w, pose, center, 2 * s.size);
@@ -165,20 +185,23 @@ TEST_P(CullerContract, UnionOverTilesIsTheWallsOwnList) {
     return culler.cull(frusta).lists;
   };
   VisibleList sum;
-  for (const VisibleList& list : listsOf(wall)) sum = unionOf(sum, list);
+  for (const VisibleList& list : listsOf(wall))
+    sum = unionOf(sum, list);
   const VisibleList whole = listsOf(wall.untiled())[0];
   const std::uint64_t differing = leafCount(differenceOf(sum, whole)) + leafCount(differenceOf(whole, sum));
-  EXPECT_LE(differing, leafCount(whole) / 200 + 2) << leafCount(whole) << " on the wall, " << leafCount(sum) << " on its tiles";
+  EXPECT_LE(differing, leafCount(whole) / 200 + 2)
+      << leafCount(whole) << " on the wall, " << leafCount(sum) << " on its tiles";
 }
 
-INSTANTIATE_TEST_SUITE_P(Settings, CullerContract,
-                         ::testing::Values(Setting{"one", 1, 1, 50, 0, 10}, Setting{"plain3x2", 3, 2, 50, 0, 10},
-                                           Setting{"plain4x4", 4, 4, 60, 1e4, 100}, Setting{"wide", 16, 1, 120, 0, 10},
-                                           Setting{"tall", 1, 16, 170, 0, 10}, Setting{"narrow", 4, 4, 0.01, 0, 10},
-                                           Setting{"far1e6", 4, 4, 50, 1e6, 1}, Setting{"far1e8", 4, 4, 50, 1e8, 1},
-                                           Setting{"far1e12", 3, 3, 50, 1e12, 100}, Setting{"tiny", 3, 3, 50, 0, 1e-9},
-                                           Setting{"huge", 3, 3, 50, 0, 1e9}, Setting{"grid8x8", 8, 8, 50, 0, 10}),
-                         [](const auto& setting) { return setting.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Settings, CullerContract,
+    ::testing::Values(Setting{"one", 1, 1, 50, 0, 10}, Setting{"plain3x2", 3, 2, 50, 0, 10},
+                      Setting{"plain4x4", 4, 4, 60, 1e4, 100}, Setting{"wide", 16, 1, 120, 0, 10},
+                      Setting{"tall", 1, 16, 170, 0, 10}, Setting{"narrow", 4, 4, 0.01, 0, 10},
+                      Setting{"far1e6", 4, 4, 50, 1e6, 1}, Setting{"far1e8", 4, 4, 50, 1e8, 1},
+                      Setting{"far1e12", 3, 3, 50, 1e12, 100}, Setting{"tiny", 3, 3, 50, 0, 1e-9},
+                      Setting{"huge", 3, 3, 50, 0, 1e9}, Setting{"grid8x8", 8, 8, 50, 0, 10}),
+    [](const auto& setting) { return setting.param.name; });
 
 TEST(Culler, SameInputGivesSameLists) {
   const Wall wall = gridWall(4, 4, 50);
@@ -190,7 +213,9 @@ TEST(Culler, SameInputGivesSameLists) {
     scene.leaves.push_back({p, p + Vec3(0.1, 0, 0), p + Vec3(0, 0.1, 0)});
   }
   scene.build(random);
-  const WallView view = viewOf(wall, {.eye = Vec3(0, 0, 2), .target = Vec3(0, 0, 0), .up = Vec3(0, 1, 0), .fovYRad = {}}, Vec3::Zero(), 2);
+  const WallView view =
+      viewOf(wall, {.eye = Vec3(0, 0, 2), .target = Vec3(0, 0, 0), .up = Vec3(0, 1, 0), .fovYRad = {}},
+             Vec3::Zero(), 2);
   FrustumHierarchy frusta(4, 4);
   frusta.update(view.wall, view.tiles);
   Culler first(scene.hierarchy, {}), second(scene.hierarchy, {});
@@ -207,7 +232,9 @@ TEST(Culler, DropsWhatIsBeyondNearAndFar) {
   }
   std::mt19937_64 random(1);
   scene.build(random);
-  WallView view = viewOf(wall, {.eye = Vec3(0, 0, 0), .target = Vec3(0, 0, -1), .up = Vec3(0, 1, 0), .fovYRad = {}}, Vec3::Zero(), 60);
+  WallView view =
+      viewOf(wall, {.eye = Vec3(0, 0, 0), .target = Vec3(0, 0, -1), .up = Vec3(0, 1, 0), .fovYRad = {}},
+             Vec3::Zero(), 60);
   view.wall.near = 1;
   view.wall.far = 10;
   FrustumHierarchy frusta(1, 1);

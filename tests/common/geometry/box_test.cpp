@@ -1,11 +1,11 @@
 #include "common/geometry/box.h"
 
-#include <gtest/gtest.h>
+#include <random>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <boost/multiprecision/cpp_int.hpp>
-#include <random>
-#include <vector>
+#include <gtest/gtest.h>
 
 namespace tessera {
 namespace {
@@ -13,9 +13,13 @@ namespace {
 using Rational = boost::multiprecision::cpp_rational;
 using Exact = std::array<Rational, 3>;
 
-Exact exact(const Vec3& v) { return {Rational(v.x()), Rational(v.y()), Rational(v.z())}; }
+Exact exact(const Vec3& v) {
+  return {Rational(v.x()), Rational(v.y()), Rational(v.z())};
+}
 
-Rational dot(const Exact& a, const Exact& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Rational dot(const Exact& a, const Exact& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 Exact cross(const Exact& a, const Exact& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -29,7 +33,8 @@ bool containsExactly(const Obb& box, const Vec3& p) {
   const Rational determinant = dot(h0, cross(h1, h2));
   if (determinant == 0) return false;
   const Rational size = abs(determinant);
-  return abs(dot(d, cross(h1, h2))) <= size && abs(dot(h0, cross(d, h2))) <= size && abs(dot(h0, cross(h1, d))) <= size;
+  return abs(dot(d, cross(h1, h2))) <= size && abs(dot(h0, cross(d, h2))) <= size &&
+         abs(dot(h0, cross(h1, d))) <= size;
 }
 
 struct Cloud {
@@ -45,14 +50,17 @@ TEST_P(PcaObb, HoldsEveryPointInExactArithmetic) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int round = 0; round < 40; ++round) {
-    const Eigen::Quaterniond turn = Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized();
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized();
     std::vector<Vec3> points;
     for (int i = 0; i < 30; ++i) {
-      const Vec3 local = Vec3(unit(random), unit(random), unit(random)).cwiseProduct(cloud.flatness) * cloud.size;
+      const Vec3 local =
+          Vec3(unit(random), unit(random), unit(random)).cwiseProduct(cloud.flatness) * cloud.size;
       points.push_back(turn * local + Vec3(cloud.offset, -cloud.offset / 3, cloud.offset / 7));
     }
     const Obb box = pcaObbOf(points, Vec3::Zero());
-    for (const Vec3& p : points) ASSERT_TRUE(containsExactly(box, p)) << cloud.name << " round " << round;
+    for (const Vec3& p : points)
+      ASSERT_TRUE(containsExactly(box, p)) << cloud.name << " round " << round;
     const Aabb aabb = aabbOf(points, Vec3::Zero());
     const Obb fromAabb = Obb::fromAabb(aabb);
     const Sphere sphere = sphereOf(points, aabb.center(), Vec3::Zero());
@@ -65,19 +73,21 @@ TEST_P(PcaObb, HoldsEveryPointInExactArithmetic) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Clouds, PcaObb,
-                         ::testing::Values(Cloud{"plain", 0, 1, {1, 1, 1}}, Cloud{"pipe", 10, 5, {1, 0.01, 0.01}},
-                                           Cloud{"plate", 1e4, 3, {1, 1, 0}}, Cloud{"line", 1e6, 2, {1, 0, 0}},
-                                           Cloud{"point", 1e7, 0, {1, 1, 1}}, Cloud{"far", 1e8, 0.05, {1, 0.5, 0.2}},
-                                           Cloud{"farther", 1e12, 1, {1, 0.5, 0.2}}, Cloud{"tiny", 0, 1e-9, {1, 0.3, 0.1}},
-                                           Cloud{"huge", 0, 1e9, {1, 0.3, 0.1}}),
-                         [](const auto& cloud) { return cloud.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Clouds, PcaObb,
+    ::testing::Values(Cloud{"plain", 0, 1, {1, 1, 1}}, Cloud{"pipe", 10, 5, {1, 0.01, 0.01}},
+                      Cloud{"plate", 1e4, 3, {1, 1, 0}}, Cloud{"line", 1e6, 2, {1, 0, 0}},
+                      Cloud{"point", 1e7, 0, {1, 1, 1}}, Cloud{"far", 1e8, 0.05, {1, 0.5, 0.2}},
+                      Cloud{"farther", 1e12, 1, {1, 0.5, 0.2}}, Cloud{"tiny", 0, 1e-9, {1, 0.3, 0.1}},
+                      Cloud{"huge", 0, 1e9, {1, 0.3, 0.1}}),
+    [](const auto& cloud) { return cloud.param.name; });
 
 TEST(PcaObb, IsMuchTighterThanTheAxisAlignedBoxForADiagonalPipe) {
   std::vector<Vec3> points;
   for (int i = 0; i < 200; ++i) {
     const double t = i / 199.0;
-    points.emplace_back(10 * t + 0.1 * std::cos(i), 10 * t + 0.1 * std::sin(i), 10 * t + 0.1 * std::sin(2 * i));
+    points.emplace_back(10 * t + 0.1 * std::cos(i), 10 * t + 0.1 * std::sin(i),
+                        10 * t + 0.1 * std::sin(2 * i));
   }
   const Obb box = pcaObbOf(points, Vec3::Zero());
   const double volume = 8 * box.halfAxes[0].norm() * box.halfAxes[1].norm() * box.halfAxes[2].norm();

@@ -1,8 +1,8 @@
 #include "common/hierarchy/object_hierarchy.h"
 
-#include <gtest/gtest.h>
-
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace tessera {
 namespace {
@@ -45,7 +45,8 @@ TEST(ObjectHierarchy, IsInPreOrderWithContiguousLeaves) {
   EXPECT_EQ(oh.parent(9), 7U);
   EXPECT_EQ(oh.depth(), 3U);
   EXPECT_DOUBLE_EQ(oh.meanBranching(), 9.0 / 4);
-  for (std::uint32_t leaf = 0; leaf < 6; ++leaf) EXPECT_EQ(oh.leaves(oh.nodeOfLeaf(leaf)), (LeafRange{leaf, leaf + 1}));
+  for (std::uint32_t leaf = 0; leaf < 6; ++leaf)
+    EXPECT_EQ(oh.leaves(oh.nodeOfLeaf(leaf)), (LeafRange{leaf, leaf + 1}));
 }
 
 TEST(ObjectHierarchy, EveryBoundHoldsItsChildren) {
@@ -56,7 +57,8 @@ TEST(ObjectHierarchy, EveryBoundHoldsItsChildren) {
     const Sphere& inner = oh.sphere(node);
     // The parent's sphere holds the child's geometry: its sphere or its box.
     const Vec3 reach = (oh.aabb(node).max - outer.center).cwiseMax(outer.center - oh.aabb(node).min);
-    EXPECT_LE(std::min((inner.center - outer.center).norm() + inner.radius, reach.norm()), outer.radius * (1 + 1e-12));
+    EXPECT_LE(std::min((inner.center - outer.center).norm() + inner.radius, reach.norm()),
+              outer.radius * (1 + 1e-12));
   }
 }
 
@@ -101,7 +103,8 @@ TEST(ObjectHierarchyBuilder, TakesAChainOf100000Levels) {
     builder.addLeaf(boxAt(i));
   }
   builder.addLeaf(boxAt(-5));
-  for (int i = 0; i < 100'000; ++i) builder.closeNode();
+  for (int i = 0; i < 100'000; ++i)
+    builder.closeNode();
   const ObjectHierarchy oh = builder.finish();
   EXPECT_EQ(oh.nodeCount(), 200'001U);
   EXPECT_EQ(oh.depth(), 100'000U);

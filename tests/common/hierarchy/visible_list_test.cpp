@@ -1,10 +1,10 @@
 #include "common/hierarchy/visible_list.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <random>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace tessera {
 namespace {
@@ -21,7 +21,7 @@ TEST(VisibleList, SetOperationsAgreeWithBitsets) {
   std::mt19937 random(3);
   for (int round = 0; round < 2000; ++round) {
     std::vector<bool> a(40), b(40), sum(40), difference(40);
-    const unsigned density = random() % 7 + 1;
+    const std::size_t density = random() % 7 + 1;
     for (std::size_t i = 0; i < a.size(); ++i) {
       a[i] = random() % 8 < density;
       b[i] = random() % 8 < density;
@@ -33,7 +33,8 @@ TEST(VisibleList, SetOperationsAgreeWithBitsets) {
     EXPECT_EQ(unionOf(listA, listB), fromBits(sum));
     EXPECT_EQ(differenceOf(listA, listB), fromBits(difference));
     EXPECT_EQ(leafCount(listA), static_cast<std::uint64_t>(std::count(a.begin(), a.end(), true)));
-    for (std::uint32_t i = 0; i < 40; ++i) EXPECT_EQ(containsLeaf(listA, i), a[i]);
+    for (std::uint32_t i = 0; i < 40; ++i)
+      EXPECT_EQ(containsLeaf(listA, i), a[i]);
   }
 }
 
