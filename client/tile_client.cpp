@@ -41,7 +41,7 @@ class TileConversation {
     if (!surface) return surface.error();
     surface_ = std::move(*surface);
     if (Status status = surface_->makeCurrent(); !status) return status;
-    view_.emplace(welcome_.widthPx, welcome_.heightPx, welcome_.backgroundRgb);
+    view_.emplace(welcome_);
     return Done{};
   }
 

@@ -126,17 +126,28 @@ class LeafListNode : public osg::Node {
   Mat3 rotation_ = Mat3::Identity();
 };
 
-TileView::TileView(int widthPx, int heightPx, const std::array<float, 3>& backgroundRgb)
-    : leaves_(new LeafListNode) {
+TileView::TileView(const proto::Welcome& welcome)
+    : window_{welcome.xPx,      welcome.yPx,         welcome.widthPx,
+              welcome.heightPx, welcome.wallWidthPx, welcome.wallHeightPx},
+      leaves_(new LeafListNode) {
   viewer_.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
   viewer_.setUseConfigureAffinity(false);  // else every tile process would pin itself to the same core
-  viewer_.setUpViewerAsEmbeddedInWindow(0, 0, widthPx, heightPx);
+  viewer_.setUpViewerAsEmbeddedInWindow(0, 0, window_.widthPx, window_.heightPx);
   viewer_.setLightingMode(osg::View::NO_LIGHT);
   osg::Camera& camera = *viewer_.getCamera();
-  camera.setClearColor(osg::Vec4(backgroundRgb[0], backgroundRgb[1], backgroundRgb[2], 1));
+  camera.setClearColor(
+      osg::Vec4(welcome.backgroundRgb[0], welcome.backgroundRgb[1], welcome.backgroundRgb[2], 1));
   camera.setComputeNearFarMode(osg::CullSettings::DO_NOT_COMPUTE_NEAR_FAR);
   camera.setCullingMode(osg::CullSettings::NO_CULLING);
   camera.setViewMatrix(osg::Matrixd::identity());
+  GLint limits[2] = {0, 0};
+  glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limits);
+  drawsWallViewport_ = window_.wallWidthPx <= limits[0] && window_.wallHeightPx <= limits[1];
+  if (drawsWallViewport_) {
+    // OpenGL counts rows from below.
+    camera.setViewport(-window_.xPx, -(window_.wallHeightPx - window_.yPx - window_.heightPx),
+                       window_.wallWidthPx, window_.wallHeightPx);
+  }
   viewer_.setSceneData(leaves_);
   viewer_.realize();
 }
@@ -154,15 +165,27 @@ void TileView::draw(const proto::Frame& frame) {
   rotation.row(2) = frame.right.cross(frame.up).transpose();  // towards the eye
   leaves_->setEye(frame.eye, rotation);
 
-  // The image rectangle on the near plane; left and right are the same for all tiles of a column, as the
-  // corners are, and so on.
+  setProjection(frame, rotation);
+  viewer_.frame();
+}
+
+void TileView::setProjection(const proto::Frame& frame, const Mat3& rotation) {
+  // The image rectangle on the near plane.
   const Vec3 lowerLeft = rotation * (frame.corners[0] - frame.eye);
   const Vec3 upperRight = rotation * (frame.corners[2] - frame.eye);
   const double toNearLeft = frame.nearM / -lowerLeft.z(), toNearRight = frame.nearM / -upperRight.z();
-  viewer_.getCamera()->setProjectionMatrixAsFrustum(lowerLeft.x() * toNearLeft, upperRight.x() * toNearRight,
-                                                    lowerLeft.y() * toNearLeft, upperRight.y() * toNearRight,
-                                                    frame.nearM, frame.farM);
-  viewer_.frame();
+  double left = lowerLeft.x() * toNearLeft, right = upperRight.x() * toNearRight;
+  double bottom = lowerLeft.y() * toNearLeft, top = upperRight.y() * toNearRight;
+  if (drawsWallViewport_) {
+    // From the tile's rectangle to the wall's. The rounding is that of doubles, so all tiles arrive at the
+    // same floats.
+    const double pixelX = (right - left) / window_.widthPx, pixelY = (top - bottom) / window_.heightPx;
+    left -= window_.xPx * pixelX;
+    right = left + window_.wallWidthPx * pixelX;
+    top += window_.yPx * pixelY;
+    bottom = top - window_.wallHeightPx * pixelY;
+  }
+  viewer_.getCamera()->setProjectionMatrixAsFrustum(left, right, bottom, top, frame.nearM, frame.farM);
 }
 
 }  // namespace tessera

@@ -18,9 +18,15 @@ class LeafListNode;
 ///
 /// Modelview matrices are composed in double relative to the eye, R (A | t - eye), so that a scene far from
 /// the origin is drawn as steadily as one at it.
+///
+/// All tiles draw with the projection of the whole wall into a viewport of the wall's size, of which their
+/// window is a part. Clip coordinates and depths are then the same floats on every tile, so edges and
+/// coinciding surfaces meet at the seams; with a projection for each tile their rounding would differ. A wall
+/// beyond OpenGL's largest viewport is drawn with a projection for each tile.
 class TileView {
  public:
-  TileView(int widthPx, int heightPx, const std::array<float, 3>& backgroundRgb);
+  /// Size, place and background are those of `welcome`.
+  explicit TileView(const proto::Welcome& welcome);
   ~TileView();
   TileView(const TileView&) = delete;
   TileView& operator=(const TileView&) = delete;
@@ -30,6 +36,14 @@ class TileView {
   void draw(const proto::Frame& frame);
 
  private:
+  struct Window {
+    int xPx, yPx, widthPx, heightPx;  ///< of this tile in the wall's picture
+    int wallWidthPx, wallHeightPx;
+  };
+  void setProjection(const proto::Frame& frame, const Mat3& rotation);
+
+  const Window window_;
+  bool drawsWallViewport_ = false;
   osg::ref_ptr<LeafListNode> leaves_;
   osgViewer::Viewer viewer_;
 };

@@ -48,6 +48,12 @@ Result<Welcome> decodeWelcome(std::span<const std::byte> payload) {
   const auto* welcome = check.root<wire::Welcome>(payload);
   if (welcome == nullptr) return check.error();
   check.require(welcome->idle_timeout_ms() > 0, ProtocolError::BadNumber, "idle_timeout_ms");
+  const auto holds = [](std::int64_t wallPx, std::int64_t atPx, std::int64_t sidePx) {
+    return atPx + sidePx <= wallPx;
+  };
+  check.require(holds(welcome->wall_width_px(), welcome->x_px(), welcome->width_px()) &&
+                    holds(welcome->wall_height_px(), welcome->y_px(), welcome->height_px()),
+                ProtocolError::BadNumber, "wall_width_px, wall_height_px");
   return check.finish(
       Welcome{.session = welcome->session(),
               .wallName = check.name(welcome->wall_name(), "wall_name", true),
@@ -59,7 +65,9 @@ Result<Welcome> decodeWelcome(std::span<const std::byte> payload) {
               .idleTimeoutMs = welcome->idle_timeout_ms(),
               .leafCount = welcome->leaf_count(),
               .picture = check.enumeration(welcome->picture(), PictureFormat::RawRgb8, "picture"),
-              .backgroundRgb = colour(check, welcome->background())});
+              .backgroundRgb = colour(check, welcome->background()),
+              .wallWidthPx = welcome->wall_width_px(),
+              .wallHeightPx = welcome->wall_height_px()});
 }
 
 Result<Ready> decodeReady(std::span<const std::byte> payload) {

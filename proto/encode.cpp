@@ -105,11 +105,11 @@ Bytes encode(const Welcome& welcome) {
   const auto wallName = builder.CreateString(welcome.wallName);
   const auto tileName = builder.CreateString(welcome.tileName);
   const wire::Rgb background(welcome.backgroundRgb[0], welcome.backgroundRgb[1], welcome.backgroundRgb[2]);
-  return finish(
-      builder, MessageType::Welcome,
-      wire::CreateWelcome(builder, welcome.session, wallName, tileName, welcome.widthPx, welcome.heightPx,
-                          welcome.xPx, welcome.yPx, welcome.idleTimeoutMs, welcome.leafCount,
-                          static_cast<wire::PictureFormat>(welcome.picture), &background));
+  return finish(builder, MessageType::Welcome,
+                wire::CreateWelcome(builder, welcome.session, wallName, tileName, welcome.widthPx,
+                                    welcome.heightPx, welcome.xPx, welcome.yPx, welcome.idleTimeoutMs,
+                                    welcome.leafCount, static_cast<wire::PictureFormat>(welcome.picture),
+                                    &background, welcome.wallWidthPx, welcome.wallHeightPx));
 }
 
 Bytes encode(const Assets& assets) {

@@ -55,6 +55,7 @@ struct Welcome {
   std::uint32_t leafCount = 0;                     ///< of the scene: every leaf id is below it
   PictureFormat picture = PictureFormat::None;     ///< how to send the pictures that a frame wants
   std::array<float, 3> backgroundRgb = {0, 0, 0};  ///< each in [0, 1]
+  std::int32_t wallWidthPx = 0, wallHeightPx = 0;  ///< of the whole picture, which holds the tile
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 

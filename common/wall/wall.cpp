@@ -29,7 +29,8 @@ Axes axesOf(const CameraPose& pose) {
 /// Depths that hold the whole scene sphere, as far as it is before the eye.
 DepthRange fittedDepths(const CameraPose& pose, const Vec3& forward, const Vec3& center, double radius) {
   constexpr double kSlack = 1e-3;
-  constexpr double kDeepestRatio = 1e4;  // more than that would waste the depth buffer's steps
+  constexpr double kDeepestRatio =
+      2e3;  // as OpenSceneGraph; deeper wastes the depth buffer: surfaces flicker
   // The second term outweighs the rounding of coordinates that are large against the sphere.
   const double largest = std::max(pose.eye.cwiseAbs().maxCoeff(), center.cwiseAbs().maxCoeff());
   const double margin = kSlack * radius + 64 * kUnitRoundoff * largest;

@@ -61,7 +61,12 @@ TEST(Hostile, Hello) {
 }
 
 TEST(Hostile, Welcome) {
-  const Welcome good = {.tileName = "r0c0", .widthPx = 8, .heightPx = 9, .idleTimeoutMs = 1};
+  const Welcome good = {.tileName = "r0c0",
+                        .widthPx = 8,
+                        .heightPx = 9,
+                        .idleTimeoutMs = 1,
+                        .wallWidthPx = 8,
+                        .wallHeightPx = 9};
   const auto refused = [&](const std::function<void(Welcome&)>& spoil) { return refusalOf(good, spoil); };
   for (const std::int32_t px : {0, -1, kMaxImagePx + 1, INT32_MAX, INT32_MIN}) {
     EXPECT_EQ(refused([&](Welcome& m) { m.widthPx = px; }), ProtocolError::BadPicture);
@@ -69,6 +74,8 @@ TEST(Hostile, Welcome) {
   }
   EXPECT_EQ(refused([](Welcome& m) { m.xPx = -1; }), ProtocolError::BadNumber);
   EXPECT_EQ(refused([](Welcome& m) { m.yPx = INT32_MAX; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Welcome& m) { m.xPx = 1; }), ProtocolError::BadNumber) << "sticks out of the wall";
+  EXPECT_EQ(refused([](Welcome& m) { m.wallHeightPx = 8; }), ProtocolError::BadNumber);
   EXPECT_EQ(refused([](Welcome& m) { m.idleTimeoutMs = 0; }), ProtocolError::BadNumber);
   EXPECT_EQ(refused([](Welcome& m) { m.picture = static_cast<PictureFormat>(2); }), ProtocolError::BadEnum);
   for (const float channel : {-0.01F, 1.01F, std::numeric_limits<float>::quiet_NaN()}) {

@@ -109,7 +109,9 @@ class MessageMaker {
             .idleTimeoutMs = 1 + number32() / 2,
             .leafCount = number32(),
             .picture = static_cast<PictureFormat>(below(2)),
-            .backgroundRgb = {channel(), channel(), channel()}};
+            .backgroundRgb = {channel(), channel(), channel()},
+            .wallWidthPx = (1 << 20) + kMaxImagePx + px(1000),
+            .wallHeightPx = (1 << 20) + kMaxImagePx + px(1000)};
   }
 
   Assets assets() {

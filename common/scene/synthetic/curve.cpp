@@ -46,6 +46,7 @@ CurvePoint evaluate(const Curve& curve, double t) {
 }
 
 double largestX(const Curve& curve) {
+  if (curve.kind == Curve::Kind::Line) return std::max(std::abs(curve.from.x()), std::abs(curve.to.x()));
   double largest = 0;
   for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     largest = std::max(largest, std::abs(evaluate(curve, t).position.x()));

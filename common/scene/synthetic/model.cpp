@@ -66,13 +66,20 @@ std::uint64_t Model::triangleCount(double level) const {
 std::vector<double> Model::levelsFor(std::uint64_t triangles) const {
   double low = 0;
   double high = kLevelLimit;
-  for (int i = 0; i < 50; ++i) {
+  std::uint64_t sum = triangleCount(low);
+  const std::uint64_t near = triangles / 2000;
+  for (int i = 0; i < 40 && sum + near < triangles; ++i) {
     const double middle = (low + high) / 2;
-    (triangleCount(middle) <= triangles ? low : high) = middle;
+    const std::uint64_t count = triangleCount(middle);
+    if (count > triangles) {
+      high = middle;
+    } else {
+      low = middle;
+      sum = count;
+    }
   }
   // Counts jump where many leaves share a form; what is then missing, the first forms make good.
   std::vector<double> levels(forms_.size(), low);
-  std::uint64_t sum = triangleCount(low);
   for (std::size_t i = 0; i < forms_.size() && sum < triangles; ++i) {
     const std::uint64_t more = triangleCount(forms_[i], low * 1.02) - triangleCount(forms_[i], low);
     if (sum + more > triangles) continue;

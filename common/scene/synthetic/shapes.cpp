@@ -31,6 +31,14 @@ bool onAxis(const CurvePoint& p) {
   return p.position.x() == 0;
 }
 
+bool startsOnAxis(const Curve& curve) {
+  return curve.kind == Curve::Kind::Line ? curve.from.x() == 0 : onAxis(evaluate(curve, 0));
+}
+
+bool endsOnAxis(const Curve& curve) {
+  return curve.kind == Curve::Kind::Line ? curve.to.x() == 0 : onAxis(evaluate(curve, 1));
+}
+
 std::uint64_t count(const Box& /*box*/, const Detail& /*detail*/) {
   return kBoxTriangles;
 }
@@ -40,8 +48,8 @@ std::uint64_t count(const Lathe& lathe, const Detail& detail) {
   std::uint64_t perSegment = 0;
   for (const Curve& curve : lathe.profile) {
     perSegment += 2ULL * ringsOf(curve, around, detail);
-    if (onAxis(evaluate(curve, 0))) --perSegment;
-    if (onAxis(evaluate(curve, 1))) --perSegment;
+    if (startsOnAxis(curve)) --perSegment;
+    if (endsOnAxis(curve)) --perSegment;
   }
   return perSegment * around;
 }
@@ -63,19 +71,23 @@ std::uint64_t count(const Extrusion& extrusion, const Detail& detail) {
   return 2 * sides + (extrusion.capped ? 2 * (sides - 2) : 0);
 }
 
+bool isPlainBox(const Detail& detail) {
+  return detail.level < 0.6 * (1 + detail.dither);
+}
+
 /// The corners of the section, counter-clockwise from +z.
 std::vector<Vec2> sectionOf(const HBeam& beam, const Detail& detail) {
   const double x = beam.widthM / 2;
   const double y = beam.depthM / 2;
-  if (detail.level < 0.6 * (1 + detail.dither)) return {{-x, -y}, {x, -y}, {x, y}, {-x, y}};
+  if (isPlainBox(detail)) return {{-x, -y}, {x, -y}, {x, y}, {-x, y}};
   const double web = beam.widthM / 24;
   const double inner = y - beam.depthM / 14;
   return {{-x, -y}, {x, -y}, {x, -inner}, {web, -inner}, {web, inner},   {x, inner},
           {x, y},   {-x, y}, {-x, inner}, {-web, inner}, {-web, -inner}, {-x, -inner}};
 }
 
-std::uint64_t count(const HBeam& beam, const Detail& detail) {
-  return 2 * sectionOf(beam, detail).size();
+std::uint64_t count(const HBeam& /*beam*/, const Detail& detail) {
+  return isPlainBox(detail) ? 8 : 24;
 }
 
 void emit(const Box& box, const Detail& /*detail*/, MeshWriter& out) {
@@ -117,7 +129,7 @@ void emitCurve(const Curve& curve, std::uint32_t rings, const std::vector<SinCos
       if (j == 0) row = v;
     }
     if (i > 0) {
-      const bool lowPole = i == 1 && onAxis(evaluate(curve, 0));
+      const bool lowPole = i == 1 && startsOnAxis(curve);
       joinRows(previous, row, around, lowPole, i == rings && onAxis(p), out);
     }
     previous = row;

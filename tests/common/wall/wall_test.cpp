@@ -208,7 +208,7 @@ TEST(Wall, fittedDepthsContainTheScene) {
     ASSERT_TRUE(std::isfinite(far));
     ASSERT_GE(far, depth + scene.radius);
     // Nearer than that the scene may be cut for the sake of the depth buffer.
-    ASSERT_LE(near, std::max(depth - scene.radius, far / 1e4));
+    ASSERT_LE(near, std::max(depth - scene.radius, far / 2e3));
   });
 }
 
