@@ -45,16 +45,25 @@ Status TileCache::add(const proto::Assets& message) {
   return Done{};
 }
 
+Result<osg::ref_ptr<osg::Object>> TileCache::decode(proto::AssetKind kind, std::string_view bytes) const {
+  if (kind == proto::AssetKind::Image) {
+    auto image = codec_.readImage(bytes);
+    if (!image) return image.error();
+    return osg::ref_ptr<osg::Object>(image->get());
+  }
+  return codec_.read(bytes, [this](const std::string& name) {
+    const auto found = images_.find(name);
+    return found == images_.end() ? osg::ref_ptr<osg::Image>() : found->second;
+  });
+}
+
 Status TileCache::addAsset(const proto::Asset& asset) {
   const AssetId id{asset.id};
   if (assetIdOf(asset.bytes) != id) return runtimeError("asset " + id.hex(), "was damaged on its way");
   const std::string_view bytes(reinterpret_cast<const char*>(asset.bytes.data()), asset.bytes.size());
   osg::ref_ptr<osg::Object> object;
   if (decodes_) {
-    auto read = codec_.read(bytes, [this](const std::string& name) {
-      const auto found = images_.find(name);
-      return found == images_.end() ? osg::ref_ptr<osg::Image>() : found->second;
-    });
+    auto read = decode(asset.kind, bytes);
     if (!read) return runtimeError("asset " + id.hex(), read.error().what);
     object = *read;
   }

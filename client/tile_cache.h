@@ -1,7 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -47,10 +48,8 @@ class TileCache {
 
  private:
   [[nodiscard]] Status addAsset(const proto::Asset& asset);
+  [[nodiscard]] Result<osg::ref_ptr<osg::Object>> decode(proto::AssetKind kind, std::string_view bytes) const;
 
-  struct State {
-    osg::ref_ptr<osg::StateSet> object;
-  };
   bool decodes_;
   OsgbCodec codec_;
   std::unordered_map<AssetId, osg::ref_ptr<osg::Drawable>, AssetIdHash> drawables_;

@@ -48,26 +48,26 @@ Result<Welcome> decodeWelcome(std::span<const std::byte> payload) {
   const auto* welcome = check.root<wire::Welcome>(payload);
   if (welcome == nullptr) return check.error();
   check.require(welcome->idle_timeout_ms() > 0, ProtocolError::BadNumber, "idle_timeout_ms");
+  Welcome decoded{.session = welcome->session(),
+                  .wallName = check.name(welcome->wall_name(), "wall_name", true),
+                  .tileName = check.name(welcome->tile_name(), "tile_name"),
+                  .widthPx = check.imagePx(welcome->width_px(), "width_px"),
+                  .heightPx = check.imagePx(welcome->height_px(), "height_px"),
+                  .xPx = placePx(check, welcome->x_px(), "x_px"),
+                  .yPx = placePx(check, welcome->y_px(), "y_px"),
+                  .idleTimeoutMs = welcome->idle_timeout_ms(),
+                  .leafCount = welcome->leaf_count(),
+                  .picture = check.enumeration(welcome->picture(), PictureFormat::RawRgb8, "picture"),
+                  .backgroundRgb = colour(check, welcome->background()),
+                  .wallWidthPx = welcome->wall_width_px(),
+                  .wallHeightPx = welcome->wall_height_px()};
   const auto holds = [](std::int64_t wallPx, std::int64_t atPx, std::int64_t sidePx) {
     return atPx + sidePx <= wallPx;
   };
-  check.require(holds(welcome->wall_width_px(), welcome->x_px(), welcome->width_px()) &&
-                    holds(welcome->wall_height_px(), welcome->y_px(), welcome->height_px()),
+  check.require(holds(decoded.wallWidthPx, decoded.xPx, decoded.widthPx) &&
+                    holds(decoded.wallHeightPx, decoded.yPx, decoded.heightPx),
                 ProtocolError::BadNumber, "wall_width_px, wall_height_px");
-  return check.finish(
-      Welcome{.session = welcome->session(),
-              .wallName = check.name(welcome->wall_name(), "wall_name", true),
-              .tileName = check.name(welcome->tile_name(), "tile_name"),
-              .widthPx = check.imagePx(welcome->width_px(), "width_px"),
-              .heightPx = check.imagePx(welcome->height_px(), "height_px"),
-              .xPx = placePx(check, welcome->x_px(), "x_px"),
-              .yPx = placePx(check, welcome->y_px(), "y_px"),
-              .idleTimeoutMs = welcome->idle_timeout_ms(),
-              .leafCount = welcome->leaf_count(),
-              .picture = check.enumeration(welcome->picture(), PictureFormat::RawRgb8, "picture"),
-              .backgroundRgb = colour(check, welcome->background()),
-              .wallWidthPx = welcome->wall_width_px(),
-              .wallHeightPx = welcome->wall_height_px()});
+  return check.finish(std::move(decoded));
 }
 
 Result<Ready> decodeReady(std::span<const std::byte> payload) {

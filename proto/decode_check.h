@@ -10,9 +10,10 @@
 #include <type_traits>
 #include <utility>
 
+#include <flatbuffers/flatbuffers.h>
+
 #include "common/base/result.h"
 #include "common/geometry/vec.h"
-#include "flatbuffers/flatbuffers.h"
 #include "proto/frame.h"
 #include "proto/messages.h"
 #include "proto/protocol_error.h"

@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "flatbuffers/flatbuffers.h"
+#include <flatbuffers/flatbuffers.h>
+
 #include "proto/codec.h"
 #include "proto/tessera_generated.h"
 #include "proto/utf8.h"

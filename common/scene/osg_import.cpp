@@ -18,7 +18,10 @@ Result<ImportedGraph> importOsg(const std::filesystem::path& path) {
                       "convert it to .glb, .gltf or .osgb");
   }
   osg::ref_ptr<osgDB::Options> options = new osgDB::Options;
-  options->setDatabasePath(path.parent_path().string());
+  // Textures are looked for beside the file and in the folder that OpenSceneGraph's own data uses.
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  options->getDatabasePathList() = {folder.string(), (folder / "Images").string(),
+                                    (folder / "images").string(), (folder / "textures").string()};
   options->setObjectCacheHint(osgDB::Options::CACHE_NONE);
   osgDB::ReaderWriter::ReadResult read = osgDB::Registry::instance()->readNode(path.string(), options, false);
   osg::ref_ptr<osg::Node> node = read.getNode();

@@ -53,13 +53,23 @@ class ViewBuffer : public std::streambuf {
   }
 };
 
-Result<std::string> writeObject(const osg::Object& object, const osgDB::Options* options) {
-  osgDB::ReaderWriter* osgb = osgDB::Registry::instance()->getReaderWriterForExtension("osgb");
-  if (!osgb)
-    return runtimeError("OpenSceneGraph", "its osgb plugin is missing",
-                        "install the openscenegraph package's plugins");
+/// Null where the plugin is missing.
+osgDB::ReaderWriter* osgbPlugin() {
+  return osgDB::Registry::instance()->getReaderWriterForExtension("osgb");
+}
+
+Error missingPlugin() {
+  return runtimeError("OpenSceneGraph", "its osgb plugin is missing",
+                      "install the openscenegraph package's plugins");
+}
+
+/// `write` is given the plugin and the stream.
+template <class Write>
+Result<std::string> written(const osg::Object& object, Write write) {
+  osgDB::ReaderWriter* osgb = osgbPlugin();
+  if (!osgb) return missingPlugin();
   std::ostringstream out(std::ios::binary);
-  const auto result = osgb->writeObject(object, out, options);
+  const osgDB::ReaderWriter::WriteResult result = write(*osgb, out);
   if (!result.success()) {
     return runtimeError("", std::string("cannot serialize a ") + object.libraryName() +
                                 "::" + object.className() + " " + result.message());
@@ -84,26 +94,41 @@ OsgbCodec::OsgbCodec() : options_(std::make_unique<Options>()) {
 OsgbCodec::~OsgbCodec() = default;
 
 Result<std::string> OsgbCodec::write(const osg::Object& object) const {
-  return writeObject(object, options_->externalImages);
+  return written(object, [&](osgDB::ReaderWriter& osgb, std::ostream& out) {
+    return osgb.writeObject(object, out, options_->externalImages);
+  });
 }
 
 Result<std::string> OsgbCodec::writeImage(const osg::Image& image) const {
-  return writeObject(image, options_->inlineImages);
+  // As a mere object an image would be written without its pixels.
+  return written(image, [&](osgDB::ReaderWriter& osgb, std::ostream& out) {
+    return osgb.writeImage(image, out, options_->inlineImages);
+  });
 }
 
 Result<osg::ref_ptr<osg::Object>> OsgbCodec::read(std::string_view bytes, const ImageByName& images) const {
-  osgDB::ReaderWriter* osgb = osgDB::Registry::instance()->getReaderWriterForExtension("osgb");
-  if (!osgb)
-    return runtimeError("OpenSceneGraph", "its osgb plugin is missing",
-                        "install the openscenegraph package's plugins");
+  osgDB::ReaderWriter* osgb = osgbPlugin();
+  if (!osgb) return missingPlugin();
   ViewBuffer buffer(bytes);
   std::istream in(&buffer);
   options_->source->images = images;
   osgDB::ReaderWriter::ReadResult result = osgb->readObject(in, options_->reading);
   options_->source->images = nullptr;
   osg::ref_ptr<osg::Object> object = result.takeObject();
-  if (!object) return runtimeError("", "an asset cannot be read: " + result.message());
+  if (!object) return runtimeError("", "cannot be read: " + result.message());
   return object;
+}
+
+Result<osg::ref_ptr<osg::Image>> OsgbCodec::readImage(std::string_view bytes) const {
+  osgDB::ReaderWriter* osgb = osgbPlugin();
+  if (!osgb) return missingPlugin();
+  ViewBuffer buffer(bytes);
+  std::istream in(&buffer);
+  osgDB::ReaderWriter::ReadResult result = osgb->readImage(in, options_->reading);
+  osg::ref_ptr<osg::Image> image = result.takeImage();
+  if (!image || image->data() == nullptr)
+    return runtimeError("", "is an image without pixels: " + result.message());
+  return image;
 }
 
 }  // namespace tessera

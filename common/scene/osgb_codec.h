@@ -31,6 +31,8 @@ class OsgbCodec {
   /// `bytes` must be trusted (checked against their hash): osgDB's reader is not safe on hostile ones.
   [[nodiscard]] Result<osg::ref_ptr<osg::Object>> read(std::string_view bytes,
                                                        const ImageByName& images) const;
+  /// What writeImage wrote; the same trust.
+  [[nodiscard]] Result<osg::ref_ptr<osg::Image>> readImage(std::string_view bytes) const;
 
  private:
   struct Options;
