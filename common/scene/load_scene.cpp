@@ -9,12 +9,13 @@
 
 namespace tessera {
 
-Result<Scene> loadScene(const std::filesystem::path& path) {
+Result<Scene> loadScene(const std::filesystem::path& path, UpAxis up) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const bool isGltf = extension == ".gltf" || extension == ".glb";
-  auto graph = isGltf ? importGltf(path) : importOsg(path);
+  const bool isZUp = up == UpAxis::Auto ? extension != ".ac" : up == UpAxis::Z;
+  auto graph = isGltf ? importGltf(path) : importOsg(path, isZUp);
   if (!graph) return graph.error();
   return extractScene(std::move(*graph), path.string(), isGltf);
 }

@@ -7,13 +7,17 @@
 
 namespace tessera {
 
+/// Which way is up in a scene file.
+enum class UpAxis { Auto, Y, Z };
+
 /// Loads a scene: glTF 2.0 (.gltf, .glb) or anything that OpenSceneGraph reads. The world is y up: glTF is so
-/// by definition; the other formats are z up by OpenSceneGraph's convention and are turned by -90 degrees
-/// about x (said in the warnings).
+/// by definition, and AC3D, whose reader leaves it so; the other formats are z up by OpenSceneGraph's
+/// convention and are turned by -90 degrees about x (said in the warnings). `up` overrides that for formats
+/// other than glTF.
 ///
 /// Refused: a missing or malformed file, NaN or infinity in vertices or matrices, a scene with nothing to
 /// draw. Stock OpenSceneGraph readers can crash on malformed files of some formats, and this process with
 /// them.
-[[nodiscard]] Result<Scene> loadScene(const std::filesystem::path& path);
+[[nodiscard]] Result<Scene> loadScene(const std::filesystem::path& path, UpAxis up = UpAxis::Auto);
 
 }  // namespace tessera

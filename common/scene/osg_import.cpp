@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-Result<ImportedGraph> importOsg(const std::filesystem::path& path) {
+Result<ImportedGraph> importOsg(const std::filesystem::path& path, bool isZUp) {
   std::error_code ec;
   if (!std::filesystem::exists(path, ec)) return inputError(path.string(), "no such file", "check the path");
   if (!std::filesystem::is_regular_file(path, ec)) return inputError(path.string(), "is not a file");
@@ -33,11 +33,13 @@ Result<ImportedGraph> importOsg(const std::filesystem::path& path) {
   ImportedGraph graph;
   osg::ref_ptr<osg::MatrixTransform> turn = new osg::MatrixTransform;
   // Exactly (x, y, z) -> (x, z, -y); osg::Matrix::rotate would leave cosines of 1e-17.
-  turn->setMatrix(osg::Matrixd(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1));
+  if (isZUp) turn->setMatrix(osg::Matrixd(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1));
   turn->setName("root");
   turn->addChild(node);
   graph.root = turn;
-  graph.warnings.emplace_back("OpenSceneGraph formats are z up: the scene is turned to y up");
+  if (isZUp)
+    graph.warnings.emplace_back(
+        "taken as z up, as OpenSceneGraph's formats are, and turned to y up; --up y leaves it");
   return graph;
 }
 

@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-/// Reads a file with osgDB and turns it from z up to y up.
-[[nodiscard]] Result<ImportedGraph> importOsg(const std::filesystem::path& path);
+/// Reads a file with osgDB; `isZUp`: turns it to y up.
+[[nodiscard]] Result<ImportedGraph> importOsg(const std::filesystem::path& path, bool isZUp);
 
 }  // namespace tessera

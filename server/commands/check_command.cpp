@@ -46,6 +46,7 @@ void addCheckCommand(CLI::App& tessera, std::vector<Command>& commands) {
   auto flags = std::make_shared<CheckFlags>();
   flags->files.addWall(*app);
   app->add_option("--scene", flags->files.scene, "Scene to check as well");
+  flags->files.addUp(*app);
   app->add_option("--camera", flags->files.camera, "Camera path to check as well");
   app->add_option("--svg", flags->svg, "Draw the wall into this file");
   commands.push_back({app, [flags] { return check(*flags); }});

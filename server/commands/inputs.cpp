@@ -18,6 +18,14 @@ void InputFiles::addScene(CLI::App& app) {
   app.add_option("--scene", scene, "Scene: glTF 2.0 (.gltf, .glb) or any format OpenSceneGraph reads")
       ->required()
       ->envname("TESSERA_SCENE");
+  addUp(app);
+}
+
+void InputFiles::addUp(CLI::App& app) {
+  app.add_option("--up", up, "Which way is up in a scene that is not glTF: auto, y or z")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "y", "z"}))
+      ->envname("TESSERA_UP");
 }
 
 void InputFiles::addCamera(CLI::App& app) {
@@ -36,7 +44,7 @@ Result<Wall> InputFiles::readWall() const {
 }
 
 Result<Scene> InputFiles::readScene() const {
-  auto read = loadScene(scene);
+  auto read = loadScene(scene, up == "y" ? UpAxis::Y : up == "z" ? UpAxis::Z : UpAxis::Auto);
   if (read) {
     for (const std::string& warning : read->warnings)
       spdlog::warn("{}: {}", scene, warning);

@@ -14,10 +14,11 @@ namespace tessera {
 
 /// The files that most commands take.
 struct InputFiles {
-  std::string wall, scene, camera;
+  std::string wall, scene, camera, up = "auto";
 
   void addWall(CLI::App& app);
   void addScene(CLI::App& app);
+  void addUp(CLI::App& app);
   void addCamera(CLI::App& app);
 
   /// Reads and logs the warnings.

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/file.h"
-#include "common/scene/load_scene.h"
 #include "common/scene/synthetic/synthetic.h"
 #include "server/commands/commands.h"
+#include "server/commands/inputs.h"
 
 namespace tessera {
 
@@ -59,11 +59,12 @@ Json sceneJson(const Scene& scene, const Summary& summary) {
 }
 
 struct InspectFlags {
-  std::string scene, json;
+  InputFiles files;
+  std::string json;
 };
 
 Status inspect(const InspectFlags& flags) {
-  const auto scene = loadScene(flags.scene);
+  const auto scene = flags.files.readScene();
   if (!scene) return scene.error();
   const ObjectHierarchy& oh = scene->hierarchy;
   const Summary summary{oh.nodeCount() - oh.leafCount(), oh.leafCount()};
@@ -75,8 +76,6 @@ Status inspect(const InspectFlags& flags) {
               scene->sphere().center.x(), scene->sphere().center.y(), scene->sphere().center.z());
   std::printf("assets     %zu, %.2f MB\n", scene->assets.size(),
               static_cast<double>(scene->assets.bytes()) / 1e6);
-  for (const std::string& warning : scene->warnings)
-    std::printf("note       %s\n", warning.c_str());
   if (flags.json.empty()) return Done{};
   return writeFileAtomically(flags.json, sceneJson(*scene, summary).dump() + "\n");
 }
@@ -144,7 +143,8 @@ void addSceneCommands(CLI::App& tessera, std::vector<Command>& commands) {
   scene->require_subcommand(1);
   CLI::App* app = scene->add_subcommand("inspect", "Counts, sizes and every leaf of a scene");
   auto flags = std::make_shared<InspectFlags>();
-  app->add_option("scene,--scene", flags->scene, "The scene file")->required();
+  app->add_option("scene,--scene", flags->files.scene, "The scene file")->required();
+  flags->files.addUp(*app);
   app->add_option("--json", flags->json, "Write all of it to this file");
   commands.push_back({app, [flags] { return inspect(*flags); }});
   addMakeCommand(*scene, commands);
