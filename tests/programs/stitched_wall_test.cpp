@@ -1,8 +1,11 @@
 // A wall stitched from its tiles against the same wall drawn as one picture with nothing culled.
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -107,6 +110,59 @@ INSTANTIATE_TEST_SUITE_P(Scenes, StitchedWall,
                                            Case{"billboards", "osg/lz.osgt", "orbit.camera.json"},
                                            Case{"powerplant", "made:powerplant", "orbit.camera.json", 60}),
                          [](const auto& test) { return test.param.name; });
+
+/// A scene of 300 small triangles in a ball of radius 2, moved by `offset`; details of centimetres.
+std::string scatteredTriangles(const TemporaryFolder& folder, const std::string& name, double offset) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::string bytes;
+  for (int triangle = 0; triangle < 300; ++triangle) {
+    const std::array<float, 3> middle = {2 * unit(random), 2 * unit(random), 2 * unit(random)};
+    for (int corner = 0; corner < 3; ++corner) {
+      for (const float m : middle) {
+        const float x = m + 0.2F * unit(random);
+        bytes.append(reinterpret_cast<const char*>(&x), sizeof x);
+      }
+    }
+  }
+  (void)folder.write(name + ".bin", bytes);
+  std::ostringstream json;
+  json.precision(17);
+  json
+      << R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"translation":[)" << offset
+      << "," << -offset / 2 << "," << offset / 4
+      << R"(]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+      << R"("buffers":[{"byteLength":)" << bytes.size() << R"(,"uri":")" << name << R"(.bin"}],)"
+      << R"("bufferViews":[{"buffer":0,"byteLength":)" << bytes.size() << R"(}],)"
+      << R"("accessors":[{"bufferView":0,"componentType":5126,"count":900,"type":"VEC3","min":[-2.2,-2.2,-2.2],"max":[2.2,2.2,2.2]}]})";
+  return folder.write(name + ".gltf", json.str());
+}
+
+TEST(FarFromTheOrigin, ASceneLooksAsItDoesAtTheOrigin) {
+  const TemporaryFolder folder;
+  const std::string wall =
+      folder.write("wall.json", R"({"grid": {"columns": 2, "rows": 1, "tile_px": [240, 240]}})");
+  const auto draw = [&](const std::string& name, double offset) {
+    const Outcome outcome =
+        run({program("tessera"), "run", "--wall", wall, "--scene", scatteredTriangles(folder, name, offset),
+             "--camera", config("orbit.camera.json"), "--frames", "4", "--out", folder / name},
+            seconds(60));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  };
+  draw("near", 0);
+  draw("far", 1e7);
+  for (int frame = 1; frame <= 4; ++frame) {
+    const std::string file = "/frame-00000" + std::to_string(frame) + ".png";
+    const auto near = readPng(folder / "near" + file), far = readPng(folder / "far" + file);
+    ASSERT_TRUE(near) << near.error().text();
+    ASSERT_TRUE(far) << far.error().text();
+    const auto difference = compare(*near, *far);
+    ASSERT_TRUE(difference);
+    // A nanometre of the camera's place is all that 1e7 m leaves to rounding.
+    EXPECT_LE(difference->differing, difference->pixels / 1000) << "frame " << frame;
+    EXPECT_LE(difference->differingMuch, 20U) << "frame " << frame;
+  }
+}
 
 }  // namespace
 }  // namespace tessera::test
