@@ -187,7 +187,7 @@ TEST_F(Lifecycle, ATileThatDiesIsStartedAgainAndTheWallGoesOn) {
 
 TEST_F(Lifecycle, ATileThatStopsIsLeftBehind) {
   Process wall(
-      runArguments(150, {"--fps", "50", "--frame-deadline", "0.3", "--json", folder_ / "report.json"}));
+      runArguments(150, {"--fps", "50", "--frame-deadline", "0.8", "--json", folder_ / "report.json"}));
   std::this_thread::sleep_for(seconds(2));
   const std::vector<pid_t> tiles = childrenOf(wall.pid());
   ASSERT_EQ(tiles.size(), 4U) << wall.err();
