@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <random>
 #include <set>
 #include <sstream>
@@ -26,6 +27,8 @@ struct Case {
   /// coordinates are floats whose origin differs from tile to tile; that flips single pixels on edges, so
   /// scenes of very many thin things have more of them.
   std::size_t differingMuch = 10;
+
+  friend void PrintTo(const Case& test, std::ostream* out) { *out << test.name; }
 };
 
 class StitchedWall : public ::testing::TestWithParam<Case> {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -58,6 +59,8 @@ struct Setting {
   const char* name;
   int columns, rows;
   double fovYDeg, offset, size;
+
+  friend void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
 };
 
 class CullerContract : public ::testing::TestWithParam<Setting> {

@@ -1,5 +1,6 @@
 #include "common/geometry/box.h"
 
+#include <ostream>
 #include <random>
 #include <vector>
 
@@ -41,6 +42,8 @@ struct Cloud {
   const char* name;
   double offset, size;
   Vec3 flatness;  ///< scale of each principal direction
+
+  friend void PrintTo(const Cloud& cloud, std::ostream* out) { *out << cloud.name; }
 };
 
 class PcaObb : public ::testing::TestWithParam<Cloud> {};
