@@ -121,20 +121,6 @@ Outcome run(const std::vector<std::string>& arguments, std::chrono::milliseconds
   return Process(arguments, environment).wait(deadline);
 }
 
-std::vector<pid_t> processesWith(const std::string& text) {
-  std::vector<pid_t> found;
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    const std::string name = entry.path().filename();
-    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    std::string command = slurp(entry.path() / "cmdline");
-    for (char& c : command)
-      c = c == '\0' ? ' ' : c;
-    if (command.find(text) != std::string::npos && std::stoi(name) != ::getpid())
-      found.push_back(std::stoi(name));
-  }
-  return found;
-}
-
 TemporaryFolder::TemporaryFolder() : path_(freshName("folder")) {
   fs::create_directories(path_);
 }

@@ -47,9 +47,6 @@ Outcome run(const std::vector<std::string>& arguments,
             std::chrono::milliseconds deadline = std::chrono::seconds(60),
             const std::map<std::string, std::string>& environment = {});
 
-/// Processes of this program name that descend from `ancestor`, or (0) any with `text` in their command line.
-std::vector<pid_t> processesWith(const std::string& text);
-
 /// A folder that goes away with this.
 class TemporaryFolder {
  public:
