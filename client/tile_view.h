@@ -20,7 +20,7 @@ class LeafListNode;
 /// the origin is drawn as steadily as one at it.
 ///
 /// All tiles draw with the projection of the whole wall into a viewport of the wall's size, of which their
-/// window is a part. Clip coordinates and depths are then the same floats on every tile, so edges and
+/// window is a part. Clip coordinates are then the same floats on every tile, so that edges and nearly
 /// coinciding surfaces meet at the seams; with a projection for each tile their rounding would differ. A wall
 /// beyond OpenGL's largest viewport is drawn with a projection for each tile.
 class TileView {
