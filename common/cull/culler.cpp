@@ -149,7 +149,7 @@ void Culler::cullOh(const FrustumHierarchy& frusta) {
       tasks_.pop_back();
       const View bounds(*scene_, task.node, frusta.eye());
       if (!testPlanes(bounds, planes, task.mask)) continue;
-      if (task.mask == 0 || scene_->isLeaf(task.node)) {
+      if (task.mask == 0 || scene_->isTerminal(task.node)) {
         appendRange(result_.lists[tile], scene_->leaves(task.node));
       } else {
         pushChildren(task.node, 0, task.mask);
@@ -169,7 +169,7 @@ void Culler::cullAdaptive(const FrustumHierarchy& frusta) {
     tasks_.pop_back();
     const View bounds(*scene_, task.node, frusta.eye());
     if (!testPlanes(bounds, frusta.primary(), task.mask)) continue;
-    const bool isLeaf = scene_->isLeaf(task.node);
+    const bool isLeaf = scene_->isTerminal(task.node);
 
     bool cut = false;
     while (!cut && !frusta.node(task.frustum).isLeaf()) {

@@ -6,20 +6,6 @@
 
 namespace tessera {
 
-namespace {
-
-/// Sphere about the box's centre that holds the children's spheres, or the box where that is smaller.
-Sphere enclosingSphere(const Aabb& box, std::span<const Sphere> children) {
-  const Vec3 center = box.center();
-  double reach = 0;
-  for (const Sphere& s : children)
-    reach = std::max(reach, (s.center - center).norm() + s.radius);
-  const double diagonal = (box.max - center).cwiseMax(center - box.min).norm();
-  return {center, std::min(reach, diagonal) * (1 + 16 * kUnitRoundoff)};
-}
-
-}  // namespace
-
 Bounds boundsOf(std::span<const Vec3> points, const Vec3& margin) {
   Bounds bounds;
   bounds.aabb = aabbOf(points, margin);
@@ -39,7 +25,9 @@ std::uint32_t ObjectHierarchy::depth() const {
 }
 
 double ObjectHierarchy::meanBranching() const {
-  const std::uint32_t inner = nodeCount() - leafCount();
+  std::uint32_t inner = 0;
+  for (std::uint32_t node = 0; node < nodeCount(); ++node)
+    inner += isTerminal(node) ? 0 : 1;
   return inner == 0 ? 0.0 : static_cast<double>(nodeCount() - 1) / inner;
 }
 
@@ -53,12 +41,20 @@ void ObjectHierarchyBuilder::openNode() {
   open_.push_back(node);
 }
 
-std::uint32_t ObjectHierarchyBuilder::addLeaf(const Bounds& bounds) {
+std::uint32_t ObjectHierarchyBuilder::addGroup(std::span<const Bounds> leaves) {
   const std::uint32_t node = oh_.nodeCount();
-  const std::uint32_t leaf = oh_.leafCount();
-  append({node + 1, leaf, open_.back()}, bounds);
-  oh_.leafNode_.push_back(node);
-  return leaf;
+  const std::uint32_t first = oh_.leafCount();
+  if (leaves.empty()) return first;
+  if (leaves.size() == 1) {
+    append({node + 1, first, open_.back()}, leaves[0]);
+  } else {
+    enclosing_.clear();
+    for (const Bounds& leaf : leaves)
+      enclosing_.add(leaf);
+    append({node + 1, first, open_.back()}, enclosing_.result(BoxFit::Pca));
+  }
+  oh_.leafNode_.insert(oh_.leafNode_.end(), leaves.size(), node);
+  return first;
 }
 
 void ObjectHierarchyBuilder::closeNode() {
@@ -130,27 +126,17 @@ ObjectHierarchy ObjectHierarchyBuilder::finish() {
 }
 
 void ObjectHierarchyBuilder::computeInnerBounds() {
-  std::vector<Vec3> corners;
-  std::vector<Sphere> spheres;
+  oh_.moving_.assign(oh_.nodeCount(), 0);
   for (std::uint32_t node = oh_.nodeCount(); node-- > 0;) {
-    if (oh_.isLeaf(node)) continue;
-    corners.clear();
-    spheres.clear();
-    Aabb box;
-    double reach = 0;
+    if (oh_.isTerminal(node)) continue;
+    enclosing_.clear();
     for (std::uint32_t child = node + 1; child != oh_.subtreeEnd_[node]; child = oh_.subtreeEnd_[child]) {
-      box.extend(oh_.aabbs_[child]);
-      spheres.push_back(oh_.spheres_[child]);
-      for (const Vec3& corner : oh_.obbs_[child].corners()) {
-        corners.push_back(corner);
-        reach = std::max(reach, corner.cwiseAbs().maxCoeff());
-      }
+      enclosing_.add(oh_.aabbs_[child], oh_.obbs_[child], oh_.spheres_[child]);
     }
-    // A corner is three rounded sums of numbers no larger than the corner and the box together.
-    const Vec3 margin = Vec3::Constant(16 * kUnitRoundoff * reach);
-    oh_.aabbs_[node] = box;
-    oh_.obbs_[node] = pcaObbOf(corners, margin);
-    oh_.spheres_[node] = enclosingSphere(box, spheres);
+    const Bounds bounds = enclosing_.result(BoxFit::Pca);
+    oh_.aabbs_[node] = bounds.aabb;
+    oh_.obbs_[node] = bounds.obb;
+    oh_.spheres_[node] = bounds.sphere;
   }
 }
 

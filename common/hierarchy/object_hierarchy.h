@@ -5,23 +5,19 @@
 #include <vector>
 
 #include "common/geometry/box.h"
+#include "common/hierarchy/enclosing_bounds.h"
 #include "common/hierarchy/visible_list.h"
 
 namespace tessera {
 
-/// Bounds of one leaf's geometry in world space; each of the three holds all of it on its own.
-struct Bounds {
-  Aabb aabb;
-  Obb obb;
-  Sphere sphere;
-};
-
 /// Bounds of points, each known to within `margin` per axis. At least one point; all finite.
 [[nodiscard]] Bounds boundsOf(std::span<const Vec3> points, const Vec3& margin);
 
-/// The object hierarchy (OH) of a scene as flat arrays in depth-first pre-order. Node 0 is the root. Leaf
-/// ids count the nodes without children in the same order, so the leaves below any node are one range, and
-/// skipping a subtree is one jump. An empty hierarchy has no nodes.
+/// The object hierarchy (OH) of a scene as flat arrays in depth-first pre-order. Node 0 is the root; the
+/// first child follows its parent, the next sibling is one jump away (of a binary tree: the right child's
+/// index, as in Koblizek's term project, section 2.1). A node without children is terminal and holds one leaf
+/// or, where a builder grouped small ones, several. Leaf ids count in the same order, so the leaves below any
+/// node are one range. An empty hierarchy has no nodes.
 class ObjectHierarchy {
  public:
   [[nodiscard]] std::uint32_t nodeCount() const { return static_cast<std::uint32_t>(subtreeEnd_.size()); }
@@ -30,17 +26,24 @@ class ObjectHierarchy {
 
   /// One past the last node of the subtree: the next node in pre-order that is not below `node`.
   [[nodiscard]] std::uint32_t subtreeEnd(std::uint32_t node) const { return subtreeEnd_[node]; }
-  [[nodiscard]] bool isLeaf(std::uint32_t node) const { return subtreeEnd_[node] == node + 1; }
+  /// True for a node without children.
+  [[nodiscard]] bool isTerminal(std::uint32_t node) const { return subtreeEnd_[node] == node + 1; }
   [[nodiscard]] LeafRange leaves(std::uint32_t node) const {
     return {leafBegin_[node], leafBegin_[subtreeEnd_[node]]};
   }
   /// kNoParent for the root.
   [[nodiscard]] std::uint32_t parent(std::uint32_t node) const { return parent_[node]; }
+  /// The terminal node that holds the leaf.
   [[nodiscard]] std::uint32_t nodeOfLeaf(std::uint32_t leaf) const { return leafNode_[leaf]; }
 
   [[nodiscard]] const Aabb& aabb(std::uint32_t node) const { return aabbs_[node]; }
   [[nodiscard]] const Obb& obb(std::uint32_t node) const { return obbs_[node]; }
   [[nodiscard]] const Sphere& sphere(std::uint32_t node) const { return spheres_[node]; }
+
+  /// True for a node whose bounds, or those of something below it, change from frame to frame.
+  [[nodiscard]] bool isMoving(std::uint32_t node) const { return moving_[node] != 0; }
+  /// Changes whenever any bound does: what was remembered of this hierarchy's bounds is then void.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   /// Edges on the longest path from the root; children of inner nodes on average.
   [[nodiscard]] std::uint32_t depth() const;
@@ -50,6 +53,7 @@ class ObjectHierarchy {
 
  private:
   friend class ObjectHierarchyBuilder;
+  friend class BoundsRefit;
   std::vector<std::uint32_t> subtreeEnd_;
   std::vector<std::uint32_t> leafBegin_;  ///< one more than nodes: the last entry is the number of leaves
   std::vector<std::uint32_t> parent_;
@@ -57,6 +61,8 @@ class ObjectHierarchy {
   std::vector<Aabb> aabbs_;
   std::vector<Obb> obbs_;
   std::vector<Sphere> spheres_;
+  std::vector<std::uint8_t> moving_;
+  std::uint64_t revision_ = 0;
 };
 
 /// Builds an ObjectHierarchy from a pre-order walk: openNode, addLeaf and closeNode in the order of the
@@ -68,7 +74,9 @@ class ObjectHierarchyBuilder {
   ObjectHierarchyBuilder();
   void openNode();
   /// Returns the leaf's id.
-  std::uint32_t addLeaf(const Bounds& bounds);
+  std::uint32_t addLeaf(const Bounds& bounds) { return addGroup({&bounds, 1}); }
+  /// Adds a terminal node that holds several leaves under one bound. Returns the first one's id.
+  std::uint32_t addGroup(std::span<const Bounds> leaves);
   void closeNode();
   /// Every opened node must be closed. What lies outside any node is put under one root.
   [[nodiscard]] ObjectHierarchy finish();
@@ -84,6 +92,7 @@ class ObjectHierarchyBuilder {
   void close();
   void computeInnerBounds();
   ObjectHierarchy oh_;
+  EnclosingBounds enclosing_;
   std::vector<std::uint32_t> open_;
   std::vector<bool> dropped_;  ///< nodes that give way to their only child in finish
 };

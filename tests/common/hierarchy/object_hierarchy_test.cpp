@@ -37,7 +37,7 @@ TEST(ObjectHierarchy, IsInPreOrderWithContiguousLeaves) {
   EXPECT_EQ(oh.leaves(0), (LeafRange{0, 6}));
   EXPECT_EQ(oh.leaves(1), (LeafRange{0, 2}));
   EXPECT_EQ(oh.subtreeEnd(1), 4U);
-  EXPECT_TRUE(oh.isLeaf(4));
+  EXPECT_TRUE(oh.isTerminal(4));
   EXPECT_EQ(oh.leaves(5), (LeafRange{3, 6}));
   EXPECT_EQ(oh.leaves(7), (LeafRange{4, 6}));
   EXPECT_EQ(oh.parent(0), ObjectHierarchy::kNoParent);
@@ -93,7 +93,7 @@ TEST(ObjectHierarchyBuilder, OfNothingIsEmptyAndOfOneLeafIsThatLeaf) {
   builder.closeNode();
   const ObjectHierarchy oh = builder.finish();
   EXPECT_EQ(oh.nodeCount(), 1U);
-  EXPECT_TRUE(oh.isLeaf(0));
+  EXPECT_TRUE(oh.isTerminal(0));
 }
 
 TEST(ObjectHierarchyBuilder, TakesAChainOf100000Levels) {
