@@ -81,6 +81,15 @@ struct RelativeSphere {
   }
 };
 
+/// How far outside the plane a bound certainly lies, in the units of the plane's value; not positive where it
+/// is not certainly outside.
+template <class RelativeBounds>
+[[nodiscard]] double outsideBy(const RelativeBounds& bounds, const BoundedPlane& plane) {
+  const double value = plane.normal.dot(bounds.d) - plane.distance;
+  const double error = plane.errorPerUnit.dot(bounds.magnitude) + plane.errorConstant;
+  return -(value + bounds.radius(plane.normal) + error);
+}
+
 /// Where a closed bound lies. Outside is certain; so is Inside; what cannot be told is Intersecting. NaN
 /// anywhere gives Intersecting.
 template <class RelativeBounds>

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/file.h"
-#include "common/hierarchy/frustum_hierarchy.h"
+#include "common/hierarchy/grid_frusta.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
 #include "server/commands/visible_lists_file.h"
@@ -71,7 +71,7 @@ Status cullScene(const CullCommandFlags& flags) {
     lists.emplace();
     if (Status status = lists->open(flags.lists, *scene, *wall); !status) return status;
   }
-  FrustumHierarchy frusta(static_cast<std::uint16_t>(wall->columns), static_cast<std::uint16_t>(wall->rows));
+  GridFrusta frusta(static_cast<std::uint16_t>(wall->columns), static_cast<std::uint16_t>(wall->rows));
   cull::Culler culler(scene->hierarchy, *options);
   Measured measured;
   const Sphere& sphere = scene->sphere();
@@ -85,7 +85,7 @@ Status cullScene(const CullCommandFlags& flags) {
     start = std::chrono::steady_clock::now();
     const cull::Result& result = culler.cull(frusta);
     measured.cullUs.add(usSince(start));
-    measured.tests.add(static_cast<double>(result.planeTests));
+    measured.tests.add(static_cast<double>(result.tests.classifications()));
     measured.pairs.add(static_cast<double>(result.pairs));
     if (lists) lists->add(frame++, view, result);
   }

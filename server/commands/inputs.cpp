@@ -1,5 +1,7 @@
 #include "server/commands/inputs.h"
 
+#include <array>
+
 #include <spdlog/spdlog.h>
 
 #include "common/scene/load_scene.h"
@@ -57,27 +59,87 @@ Result<CameraPath> InputFiles::readCamera() const {
                         : readCameraPath(camera);
 }
 
+namespace {
+
+struct SwitchFlag {
+  const char* name;
+  bool cull::Switches::* value;
+  bool byDefault;
+  const char* what;
+};
+
+// A switch that is on by default is turned off by --no-NAME.
+constexpr std::array kSwitches = {
+    SwitchFlag{"first-level", &cull::Switches::firstLevel, true,
+               "do not cull to the primary frustum before the tiles"},
+    SwitchFlag{"plane-masking", &cull::Switches::planeMasking, true,
+               "test planes again below nodes that are inside of them"},
+    SwitchFlag{"plane-coherency", &cull::Switches::planeCoherency, false,
+               "test the plane first that rejected last time"},
+    SwitchFlag{"octant-test", &cull::Switches::octantTest, false,
+               "of two opposite planes test the nearer one alone"},
+    SwitchFlag{"sign-table", &cull::Switches::signTable, false,
+               "p- and n-vertex by a table of signs (--bounds aabb)"},
+    SwitchFlag{"sphere-first", &cull::Switches::sphereFirst, false,
+               "a sphere first, then the box where the sphere is cut"},
+    SwitchFlag{"motion-coherence", &cull::Switches::motionCoherence, false,
+               "remember distances to rejecting planes from frame to frame"},
+    SwitchFlag{"regroup", &cull::Switches::regroup, false,
+               "adaptive: regroup children on one side of a bisection"},
+};
+
+}  // namespace
+
 void CullFlags::add(CLI::App& app) {
-  app.add_option("--algorithm", algorithm, "How to cull: none, naive, oh or adaptive")
+  app.add_option("--algorithm", algorithm,
+                 "How to cull: none, naive, oh, fh, adaptive or adaptive-listing")
       ->capture_default_str()
       ->envname("TESSERA_ALGORITHM");
-  app.add_option("--bounds", bounds, "What to cull by: sphere, aabb or obb")
+  app.add_option("--bounds", bounds, "What to cull by: sphere, aabb, obb, hybrid or aabb-then-obb")
       ->capture_default_str()
       ->envname("TESSERA_BOUNDS");
+  for (const SwitchFlag& flag : kSwitches) {
+    const std::string name = std::string("--") + (flag.byDefault ? "no-" : "") + flag.name;
+    app.add_flag_callback(
+           name, [this, &flag] { switches.*flag.value = !flag.byDefault; }, std::string("Culling: ") + flag.what)
+        ->group("Switches of the cullers");
+  }
+  app.add_option("--regroup-from", switches.regroupFrom, "Culling: the fewest children that --regroup groups")
+      ->capture_default_str()
+      ->check(CLI::Range(2u, 1u << 30))
+      ->group("Switches of the cullers");
+}
+
+std::vector<std::string> CullFlags::changedSwitches() const {
+  std::vector<std::string> changed;
+  for (const SwitchFlag& flag : kSwitches) {
+    if (switches.*flag.value != flag.byDefault)
+      changed.push_back(std::string(flag.byDefault ? "no-" : "") + flag.name);
+  }
+  return changed;
+}
+
+std::string CullFlags::text() const {
+  std::string text = algorithm + " " + bounds;
+  for (const std::string& name : changedSwitches())
+    text += " " + name;
+  return text;
 }
 
 Result<cull::Options> CullFlags::options() const {
   const auto chosenAlgorithm = cull::algorithmFromName(algorithm);
   if (!chosenAlgorithm) {
     return inputError("--algorithm", "there is no algorithm named \"" + algorithm + "\"",
-                      "choose none, naive, oh or adaptive");
+                      "choose none, naive, oh, fh, adaptive or adaptive-listing");
   }
   const auto chosenBounds = cull::boundsFromName(bounds);
   if (!chosenBounds) {
     return inputError("--bounds", "there are no bounds named \"" + bounds + "\"",
-                      "choose sphere, aabb or obb");
+                      "choose sphere, aabb, obb, hybrid or aabb-then-obb");
   }
-  return cull::Options{.algorithm = *chosenAlgorithm, .bounds = *chosenBounds};
+  const cull::Options options{.algorithm = *chosenAlgorithm, .bounds = *chosenBounds, .switches = switches};
+  if (Status status = cull::check(options); !status) return status.error();
+  return options;
 }
 
 }  // namespace tessera

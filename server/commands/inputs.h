@@ -28,9 +28,13 @@ struct InputFiles {
   [[nodiscard]] Result<CameraPath> readCamera() const;
 };
 
-/// --algorithm and --bounds.
+/// --algorithm, --bounds and the switches of the cullers.
 struct CullFlags {
   std::string algorithm = "adaptive", bounds = "obb";
+  cull::Switches switches;
+  /// "algorithm bounds" and the switches that are not at their defaults.
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] std::vector<std::string> changedSwitches() const;
   void add(CLI::App& app);
   [[nodiscard]] Result<cull::Options> options() const;
 };

@@ -4,7 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "common/hierarchy/frustum_hierarchy.h"
+#include "common/hierarchy/grid_frusta.h"
 #include "proto/codec.h"
 
 namespace tessera {
@@ -113,7 +113,7 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
     return status.error();
   }
   report_.tiles.resize(wall_.tiles.size());
-  FrustumHierarchy frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows));
+  GridFrusta frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows));
   cull::Culler culler(scene_.hierarchy, options_.cull);
   const Sphere& sphere = scene_.sphere();
   firstFrame_ = lastPaced_ = Clock::now();

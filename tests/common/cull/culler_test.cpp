@@ -1,4 +1,5 @@
 #include "common/cull/culler.h"
+#include "common/hierarchy/grid_frusta.h"
 
 #include <array>
 #include <cmath>
@@ -113,7 +114,7 @@ TEST_P(CullerContract, NeverDropsALeafThatMeetsATile) {
     for (int i = 0; i < 60; ++i)
       scene.leaves.push_back(hardTriangle(view));
     scene.build(random_);
-    FrustumHierarchy frusta(static_cast<std::uint16_t>(s.columns), static_cast<std::uint16_t>(s.rows));
+    GridFrusta frusta(static_cast<std::uint16_t>(s.columns), static_cast<std::uint16_t>(s.rows));
     frusta.update(view.wall, view.tiles);
 
     std::vector<std::vector<bool>> meets(view.tiles.size(), std::vector<bool>(scene.leaves.size()));
@@ -152,7 +153,7 @@ TEST_P(CullerContract, HierarchiesAddHardlyAnyLeafToNaiveCulling) {
   for (int i = 0; i < 2000; ++i)
     scene.leaves.push_back(anyTriangle(center, s.size));
   scene.build(random_);
-  FrustumHierarchy frusta(static_cast<std::uint16_t>(s.columns), static_cast<std::uint16_t>(s.rows));
+  GridFrusta frusta(static_cast<std::uint16_t>(s.columns), static_cast<std::uint16_t>(s.rows));
   frusta.update(view.wall, view.tiles);
   std::array<std::uint64_t, 3> pairs{};
   std::size_t i = 0;
@@ -182,7 +183,7 @@ TEST_P(CullerContract, UnionOverTilesIsTheWallsOwnList) {
   scene.build(random_);
   const auto listsOf = [&](const Wall& w) {
     const WallView view = viewOf(w, pose, center, 2 * s.size);
-    FrustumHierarchy frusta(static_cast<std::uint16_t>(w.columns), static_cast<std::uint16_t>(w.rows));
+    GridFrusta frusta(static_cast<std::uint16_t>(w.columns), static_cast<std::uint16_t>(w.rows));
     frusta.update(view.wall, view.tiles);
     Culler culler(scene.hierarchy, {});
     return culler.cull(frusta).lists;
@@ -219,7 +220,7 @@ TEST(Culler, SameInputGivesSameLists) {
   const WallView view =
       viewOf(wall, {.eye = Vec3(0, 0, 2), .target = Vec3(0, 0, 0), .up = Vec3(0, 1, 0), .fovYRad = {}},
              Vec3::Zero(), 2);
-  FrustumHierarchy frusta(4, 4);
+  GridFrusta frusta(4, 4);
   frusta.update(view.wall, view.tiles);
   Culler first(scene.hierarchy, {}), second(scene.hierarchy, {});
   const auto lists = first.cull(frusta).lists;
@@ -240,7 +241,7 @@ TEST(Culler, DropsWhatIsBeyondNearAndFar) {
              Vec3::Zero(), 60);
   view.wall.near = 1;
   view.wall.far = 10;
-  FrustumHierarchy frusta(1, 1);
+  GridFrusta frusta(1, 1);
   frusta.update(view.wall, view.tiles);
   for (const Algorithm algorithm : {Algorithm::Naive, Algorithm::Oh, Algorithm::Adaptive}) {
     Culler culler(scene.hierarchy, {.algorithm = algorithm});

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/hierarchy/visible_list.h"
+
+namespace tessera::cull {
+
+/// Tests of one frame, by what was tested and by what was spared.
+struct TestCounts {
+  std::uint64_t sphere = 0, aabb = 0, obb = 0;  ///< bound-plane classifications
+  std::uint64_t primary = 0, bisection = 0, tile = 0;  ///< bounds against whose planes; a "first, then" is one
+  std::uint64_t nodes = 0;         ///< (node, frustum) visits
+  std::uint64_t remembered = 0;    ///< rejections by a remembered distance, without a test
+  std::uint64_t octantSpared = 0;  ///< planes left out by the octant test
+  std::uint64_t groups = 0;        ///< pseudo-groups formed
+
+  [[nodiscard]] std::uint64_t classifications() const { return sphere + aabb + obb; }
+};
+
+struct Result {
+  std::vector<VisibleList> lists;  ///< one for each tile, in the order of the tiles
+  TestCounts tests;
+  std::uint64_t pairs = 0;  ///< (leaf, tile) pairs listed
+};
+
+}  // namespace tessera::cull
