@@ -201,14 +201,14 @@ class Extractor {
     const std::size_t before = scene_.leaves.size();
     const bool isShared = drawable.getNumParents() > 1;
     const bool isBillboard = dynamic_cast<const osg::Billboard*>(&place.parent) != nullptr;
-    const std::optional<Cut> none, own = isBillboard || isShared ? none : cut(drawable);
+    const std::optional<Cut> none, own = isBillboard || isShared ? none : cutOf(drawable);
     const std::optional<Cut>& parts = isBillboard ? none : isShared ? sharedCut(drawable) : own;
     Status status = parts ? addParts(*parts, isShared, place) : addLeaf(drawable, place, {isShared});
     if (scene_.leaves.size() > before) ++scene_.graphLeafCount;
     return status;
   }
 
-  [[nodiscard]] std::optional<Cut> cut(const osg::Drawable& drawable) const {
+  [[nodiscard]] std::optional<Cut> cutOf(const osg::Drawable& drawable) const {
     std::optional<CutTree> tree = cutDrawable(drawable, maxTriangles_);
     if (!tree) return {};
     return Cut{std::move(*tree), storageOriginOf(drawable)};
@@ -216,7 +216,7 @@ class Extractor {
 
   const std::optional<Cut>& sharedCut(const osg::Drawable& drawable) {
     const auto [entry, isNew] = sharedCuts_.try_emplace(&drawable);
-    if (isNew) entry->second = cut(drawable);
+    if (isNew) entry->second = cutOf(drawable);
     return entry->second;
   }
 
@@ -264,9 +264,7 @@ class Extractor {
     leaf.graphLeaf = scene_.graphLeafCount;
     leaf.part = piece.part;
     if (maxTriangles_ > 0 && leaf.triangles > maxTriangles_) {
-      warn(
-          "of the drawables with more triangles than a leaf may have, those that are not plain meshes stay "
-          "whole");
+      warn("drawables above the limit of triangles stay whole unless they are plain triangle meshes");
     }
     const auto state = writer_.writeState(writer_.merged(inherited, drawable.getStateSet()));
     if (!state) return state.error();
