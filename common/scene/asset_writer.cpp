@@ -63,7 +63,11 @@ void stripIdentity(osg::Drawable& drawable) {
 
 }  // namespace
 
-Result<const WrittenDrawable*> AssetWriter::writeDrawable(const osg::Drawable& drawable) {
+Vec3 storageOriginOf(const osg::Drawable& drawable) {
+  return originFor(geometryOf(drawable).points);
+}
+
+Result<const WrittenDrawable*> AssetWriter::writeDrawable(const osg::Drawable& drawable, const Vec3* origin) {
   const auto [entry, isNew] = drawables_.try_emplace(&drawable);
   WrittenDrawable& written = entry->second;
   if (!isNew) {
@@ -81,7 +85,7 @@ Result<const WrittenDrawable*> AssetWriter::writeDrawable(const osg::Drawable& d
   stripIdentity(*copy);
   if (osg::Geometry* mesh = copy->asGeometry()) {
     if (mesh->containsDeprecatedData()) mesh->fixDeprecatedData();
-    written.origin = originFor(written.points);
+    written.origin = origin ? *origin : originFor(written.points);
     const osg::Array* vertices = mesh->getVertexArray();
     const bool isDouble = dynamic_cast<const osg::Vec3dArray*>(vertices) != nullptr;
     if (vertices && (isDouble || !written.origin.isZero())) {

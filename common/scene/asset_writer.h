@@ -24,18 +24,27 @@ struct WrittenDrawable {
   bool isEmpty = true;  ///< there is nothing to draw
 };
 
+/// The point about which a geometry's vertices are stored: in the middle of its box on the axes on which it
+/// lies far from its origin, else 0.
+[[nodiscard]] Vec3 storageOriginOf(const osg::Drawable& drawable);
+
 /// Serializes the drawables, state sets and images of one scene into its store, each once.
 class AssetWriter {
  public:
   explicit AssetWriter(AssetStore& store) : store_(&store) {}
 
   /// The drawable without its state. A geometry whose vertices lie far from its origin, or are doubles, is
-  /// stored relative to a point in its middle, so that a tile can draw it in float without jitter. The result
-  /// lives as long as the writer. The error has no place: the caller knows the leaf.
-  [[nodiscard]] Result<const WrittenDrawable*> writeDrawable(const osg::Drawable& drawable);
+  /// stored relative to a point in its middle, so that a tile can draw it in float without jitter; to
+  /// `origin` where one is given. The result lives as long as the writer or until the drawable is forgotten.
+  /// The error has no place: the caller knows the leaf.
+  [[nodiscard]] Result<const WrittenDrawable*> writeDrawable(const osg::Drawable& drawable,
+                                                             const Vec3* origin = nullptr);
 
   /// Moves the points out. They are collected anew should the drawable be met again.
   [[nodiscard]] std::vector<Vec3> takePoints(const osg::Drawable& drawable);
+
+  /// To be called before a drawable that was written dies: another one could get its address.
+  void forget(const osg::Drawable& drawable) { drawables_.erase(&drawable); }
 
   /// The state in force below `inherited` (may be null) and then `own` (may be null). The result stays alive
   /// with the writer.

@@ -1,7 +1,9 @@
 #include "common/scene/extract.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <unordered_map>
 
 #include <Eigen/Geometry>
 #include <osg/Billboard>
@@ -12,6 +14,7 @@
 #include <osg/Transform>
 
 #include "common/scene/asset_writer.h"
+#include "common/scene/cut_drawable.h"
 
 namespace tessera {
 
@@ -54,7 +57,8 @@ Vec3 toVec3(const osg::Vec3d& v) {
 
 class Extractor {
  public:
-  Extractor(const ImportedGraph& graph, Scene& scene) : graph_(graph), scene_(scene), writer_(scene.assets) {}
+  Extractor(const ImportedGraph& graph, Scene& scene, std::uint64_t maxTrianglesPerLeaf)
+      : graph_(graph), scene_(scene), maxTriangles_(maxTrianglesPerLeaf), writer_(scene.assets) {}
 
   Status run() {
     push(*graph_.root, {}, nullptr, 0, 0, true);
@@ -80,6 +84,29 @@ class Extractor {
     const osg::StateSet* state = nullptr;
     std::uint32_t parentPath = 0;
     std::uint32_t childIndex = 0;
+  };
+
+  /// Where a drawable stands.
+  struct Place {
+    const osg::Node& parent;
+    std::uint32_t drawableIndex;  ///< among the parent's drawables
+    const WorldTransform& transform;
+    const osg::StateSet* inherited;
+    std::uint32_t path;
+  };
+
+  /// A drawable in parts. They are stored about the origin of the whole: vertices on a seam then come out the
+  /// same on both sides, and as they would uncut.
+  struct Cut {
+    CutTree tree;
+    Vec3 origin = Vec3::Zero();
+  };
+
+  /// One leaf's share of a drawable.
+  struct Piece {
+    bool isShared = false;         ///< it will be met again
+    const Vec3* origin = nullptr;  ///< null: its own
+    std::uint32_t part = 0;
   };
 
   void push(const osg::Node& node, const WorldTransform& transform, const osg::StateSet* state,
@@ -118,8 +145,8 @@ class Extractor {
     for (std::uint32_t i = 0; i < active.children.size(); ++i) {
       const osg::Node& child = *active.children[i];
       if (const osg::Drawable* drawable = child.asDrawable()) {
-        if (Status status = addLeaf(*drawable, node, drawableIndex++, transform, state, path); !status)
-          return status;
+        const Status status = addDrawable(*drawable, {node, drawableIndex++, transform, state, path});
+        if (!status) return status;
       } else {
         push(child, transform, state, path, i);
       }
@@ -164,14 +191,64 @@ class Extractor {
     return path;
   }
 
-  Status addLeaf(const osg::Drawable& drawable, const osg::Node& parent, std::uint32_t drawableIndex,
-                 const WorldTransform& transform, const osg::StateSet* inherited, std::uint32_t path) {
+  /// Adds the drawable as one leaf, or as a subtree of its parts.
+  Status addDrawable(const osg::Drawable& drawable, const Place& place) {
     const std::string library = drawable.libraryName();
     if (library == "osgParticle" || library == "osgText") {
       warn("drawables of " + library + " are left out: they change with the frame or the view");
       return Done{};
     }
-    const auto written = writer_.writeDrawable(drawable);
+    const std::size_t before = scene_.leaves.size();
+    const bool isShared = drawable.getNumParents() > 1;
+    const bool isBillboard = dynamic_cast<const osg::Billboard*>(&place.parent) != nullptr;
+    const std::optional<Cut> none, own = isBillboard || isShared ? none : cutOf(drawable);
+    const std::optional<Cut>& parts = isBillboard ? none : isShared ? sharedCut(drawable) : own;
+    Status status = parts ? addParts(*parts, isShared, place) : addLeaf(drawable, place, {isShared});
+    if (scene_.leaves.size() > before) ++scene_.graphLeafCount;
+    return status;
+  }
+
+  [[nodiscard]] std::optional<Cut> cutOf(const osg::Drawable& drawable) const {
+    std::optional<CutTree> tree = cutDrawable(drawable, maxTriangles_);
+    if (!tree) return {};
+    return Cut{std::move(*tree), storageOriginOf(drawable)};
+  }
+
+  const std::optional<Cut>& sharedCut(const osg::Drawable& drawable) {
+    const auto [entry, isNew] = sharedCuts_.try_emplace(&drawable);
+    if (isNew) entry->second = cutOf(drawable);
+    return entry->second;
+  }
+
+  Status addParts(const Cut& cut, bool isShared, const Place& place) {
+    struct Open {
+      std::uint32_t parts, left;
+    };
+    std::vector<Open> open;
+    std::uint32_t part = 0;
+    for (const std::uint32_t below : cut.tree.shape) {
+      if (below > 1) {
+        builder_.openNode();
+        open.push_back({below, below});
+        continue;
+      }
+      const osg::Geometry& geometry = *cut.tree.parts[part];
+      if (Status status = addLeaf(geometry, place, {isShared, &cut.origin, part}); !status) return status;
+      if (!isShared) writer_.forget(geometry);
+      ++part;
+      std::uint32_t done = 1;
+      while (!open.empty() && (open.back().left -= done) == 0) {
+        done = open.back().parts;
+        open.pop_back();
+        builder_.closeNode();
+      }
+    }
+    return Done{};
+  }
+
+  Status addLeaf(const osg::Drawable& drawable, const Place& place, const Piece& piece) {
+    const auto& [parent, drawableIndex, transform, inherited, path] = place;
+    const auto written = writer_.writeDrawable(drawable, piece.origin);
     if (!written)
       return nodeError(path, "drawable " + std::to_string(drawableIndex) + " " + written.error().what);
     const WrittenDrawable& geometry = **written;
@@ -184,12 +261,17 @@ class Extractor {
     leaf.triangles = geometry.triangles;
     leaf.pathNode = path;
     leaf.source = sourceOf(parent, drawableIndex, path);
+    leaf.graphLeaf = scene_.graphLeafCount;
+    leaf.part = piece.part;
+    if (maxTriangles_ > 0 && leaf.triangles > maxTriangles_) {
+      warn("drawables above the limit of triangles stay whole unless they are plain triangle meshes");
+    }
     const auto state = writer_.writeState(writer_.merged(inherited, drawable.getStateSet()));
     if (!state) return state.error();
     leaf.state = *state;
 
     // Shared drawables keep theirs; the points of all others would double the memory of the import.
-    std::vector<Vec3> points = drawable.getNumParents() > 1 ? geometry.points : writer_.takePoints(drawable);
+    std::vector<Vec3> points = piece.isShared ? geometry.points : writer_.takePoints(drawable);
     const auto* billboard = dynamic_cast<const osg::Billboard*>(&parent);
     if (billboard) {
       leaf.billboard = billboardOf(*billboard, drawableIndex);
@@ -270,21 +352,24 @@ class Extractor {
 
   const ImportedGraph& graph_;
   Scene& scene_;
+  const std::uint64_t maxTriangles_;  ///< of a leaf; 0: any number
   AssetWriter writer_;
   ObjectHierarchyBuilder builder_;
   std::vector<Visit> visits_;
+  std::unordered_map<const osg::Drawable*, std::optional<Cut>> sharedCuts_;
   std::vector<std::uint32_t> pathChild_ = {0};  ///< parallel to pathNodes: index among the parent's children
   std::set<std::string> warned_;
 };
 
 }  // namespace
 
-Result<Scene> extractScene(ImportedGraph graph, const std::string& source, bool isGltf) {
+Result<Scene> extractScene(ImportedGraph graph, const std::string& source, bool isGltf,
+                           std::uint64_t maxTrianglesPerLeaf) {
   Scene scene;
   scene.source = source;
   scene.isGltf = isGltf;
   scene.warnings = graph.warnings;
-  if (Status status = Extractor(graph, scene).run(); !status) return status.error();
+  if (Status status = Extractor(graph, scene, maxTrianglesPerLeaf).run(); !status) return status.error();
   if (scene.leaves.empty()) {
     return inputError(source, "has nothing to draw", "is it the right file, and does it hold meshes?");
   }

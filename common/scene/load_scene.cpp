@@ -9,15 +9,19 @@
 
 namespace tessera {
 
-Result<Scene> loadScene(const std::filesystem::path& path, UpAxis up) {
+Result<Scene> loadScene(const std::filesystem::path& path, const LoadOptions& options) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const bool isGltf = extension == ".gltf" || extension == ".glb";
-  const bool isZUp = up == UpAxis::Auto ? extension != ".ac" : up == UpAxis::Z;
+  const bool isZUp = options.up == UpAxis::Auto ? extension != ".ac" : options.up == UpAxis::Z;
   auto graph = isGltf ? importGltf(path) : importOsg(path, isZUp);
   if (!graph) return graph.error();
-  return extractScene(std::move(*graph), path.string(), isGltf);
+  return extractScene(std::move(*graph), path.string(), isGltf, options.maxTrianglesPerLeaf);
+}
+
+Result<Scene> loadScene(const std::filesystem::path& path, UpAxis up) {
+  return loadScene(path, LoadOptions{up, 0});
 }
 
 }  // namespace tessera

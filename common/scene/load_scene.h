@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "common/base/result.h"
@@ -10,14 +11,20 @@ namespace tessera {
 /// Which way is up in a scene file.
 enum class UpAxis { Auto, Y, Z };
 
+struct LoadOptions {
+  UpAxis up = UpAxis::Auto;
+  std::uint64_t maxTrianglesPerLeaf = 0;  ///< larger meshes are cut into several leaves; 0: never
+};
+
 /// Loads a scene: glTF 2.0 (.gltf, .glb) or anything that OpenSceneGraph reads. The world is y up: glTF is so
 /// by definition, and AC3D, whose reader leaves it so; the other formats are z up by OpenSceneGraph's
-/// convention and are turned by -90 degrees about x (said in the warnings). `up` overrides that for formats
-/// other than glTF.
+/// convention and are turned by -90 degrees about x (said in the warnings). `options.up` overrides that for
+/// formats other than glTF.
 ///
 /// Refused: a missing or malformed file, NaN or infinity in vertices or matrices, a scene with nothing to
 /// draw. Stock OpenSceneGraph readers can crash on malformed files of some formats, and this process with
 /// them.
+[[nodiscard]] Result<Scene> loadScene(const std::filesystem::path& path, const LoadOptions& options);
 [[nodiscard]] Result<Scene> loadScene(const std::filesystem::path& path, UpAxis up = UpAxis::Auto);
 
 }  // namespace tessera

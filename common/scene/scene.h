@@ -33,6 +33,10 @@ struct SceneLeaf {
   std::uint64_t triangles = 0;
   std::uint32_t pathNode = 0;  ///< index into Scene::pathNodes
   LeafSource source;
+  /// The id that the leaf's drawable would have if none were cut: its own id then, otherwise the same for all
+  /// parts of one drawable.
+  std::uint32_t graphLeaf = 0;
+  std::uint32_t part = 0;  ///< which part of a cut drawable
 };
 
 /// A name in the scene's tree, for messages and for `scene inspect`.
@@ -48,6 +52,7 @@ struct Scene {
   bool isGltf = false;
   ObjectHierarchy hierarchy;
   std::vector<SceneLeaf> leaves;
+  std::uint32_t graphLeafCount = 0;  ///< the number of leaves if none were cut
   std::vector<PathNode> pathNodes;
   AssetStore assets;
   std::vector<std::string> warnings;  ///< what could not be taken over as it was
