@@ -6,6 +6,7 @@
 #include "common/scene/extract.h"
 #include "common/scene/gltf/import_gltf.h"
 #include "common/scene/osg_import.h"
+#include "common/scene/reorganize.h"
 
 namespace tessera {
 
@@ -17,11 +18,13 @@ Result<Scene> loadScene(const std::filesystem::path& path, const LoadOptions& op
   const bool isZUp = options.up == UpAxis::Auto ? extension != ".ac" : options.up == UpAxis::Z;
   auto graph = isGltf ? importGltf(path) : importOsg(path, isZUp);
   if (!graph) return graph.error();
-  return extractScene(std::move(*graph), path.string(), isGltf, options.maxTrianglesPerLeaf);
+  auto scene = extractScene(std::move(*graph), path.string(), isGltf, options.maxTrianglesPerLeaf);
+  if (scene) reorganize(*scene, options.hierarchy, options.maxTrianglesPerLeaf);
+  return scene;
 }
 
 Result<Scene> loadScene(const std::filesystem::path& path, UpAxis up) {
-  return loadScene(path, LoadOptions{up, 0});
+  return loadScene(path, LoadOptions{.up = up});
 }
 
 }  // namespace tessera
