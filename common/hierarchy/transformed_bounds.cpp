@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 namespace tessera {
 
 namespace {
