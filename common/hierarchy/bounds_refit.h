@@ -10,10 +10,10 @@
 namespace tessera {
 
 /// Moves leaves of a hierarchy and refits the bounds above them, bottom-up and only along the touched paths
-/// (refitting: Real-Time Rendering, section 25.7). The tree keeps its shape, so its quality decays where
+/// (van den Bergen 1997, refitting of AABB trees). The tree keeps its shape, so its quality decays where
 /// things travel far. Between move() and refit() the hierarchy is not to be culled: the nodes above a moved
-/// leaf do not hold it yet. One BoundsRefit at a time for a hierarchy, which must outlive it. Not for use by
-/// several threads.
+/// leaf do not hold it yet. One BoundsRefit at a time for a hierarchy, which must outlive it and
+/// keep its shape. Not for use by several threads.
 class BoundsRefit {
  public:
   /// How the oriented boxes of moved leaves and of all nodes above them are found from now on.

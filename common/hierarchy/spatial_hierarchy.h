@@ -18,7 +18,7 @@ enum class HierarchyKind {
   Bvh,     ///< binary: centroids split at their middle on the axis where they spread most (Koblizek's term
            ///< project, section 2.1; Pharr, Jakob, Humphreys, Physically Based Rendering, 4.3.1)
   Octree,  ///< boxes halved on three axes; what straddles a middle plane stays at the node (Akenine-Moeller
-           ///< et al., Real-Time Rendering, chapter 14)
+           ///< et al., Real-Time Rendering, 3rd edition, chapter 14)
   LooseOctree,  ///< cells of double size, so that size alone decides an item's level (Ulrich 2000)
   Kd,           ///< axis-aligned binary space partition at the middle of the cell's longest axis; what
                 ///< straddles stays at the node (Real-Time Rendering, chapter 14)

@@ -119,7 +119,7 @@ Obb imageOf(const Obb& box, const Affine& map) {
     thin[k] = axes[k].value.cwiseAbs().maxCoeff() <= thinnest;
     if (thin[k]) slack += 1.001 * axes[k].value.cwiseAbs();
   }
-  Mat3 directions;
+  Mat3 directions = Mat3::Zero();
   if (!directionsOf(axes, thin, directions))
     return boxAround(center.value, 1.001 * slack + reach * (1 + 8 * kU));
 
