@@ -293,11 +293,13 @@ std::optional<bool> ExactFrustum::filter(const Triangle& triangle) const {
   Polygon polygon;
   double reach = 0;
   for (const Vec3& v : triangle) {
-    polygon.push(v - eye_);
-    reach = std::max(reach, polygon.vertices[polygon.size - 1].squaredNorm());
+    const Vec3 p = v - eye_;
+    const double square = p.squaredNorm();
+    if (!std::isfinite(square)) return std::nullopt;
+    reach = std::max(reach, square);
+    polygon.push(p);
   }
   reach = std::sqrt(reach);
-  // An overflow to infinity, or a NaN of infinities, is refused here too.
   if (!(reach >= kLeastReach && reach <= kMostReach)) return std::nullopt;
 
   std::array<double, 6> error{};
