@@ -537,7 +537,7 @@ TEST(BoundedPlane, DenormalSpheres) {
 
 TEST(BoundedPlane, SumsThatOverflow) {
   // n = (1, 1, -1) up to scale: the first two terms of the sum are beyond the largest double.
-  Case c{.eye = Vec3::Zero(), .a = Vec3(1, 0, 1), .b = Vec3(0, -1, -1), .kind = Kind::Obb};
+  Case c{.eye = Vec3::Zero(), .a = Vec3(0, -1, -1), .b = Vec3(1, 0, 1), .kind = Kind::Obb};
   c.obb.center = Vec3(-1e308, -1e308, -1.4e308);
   c.obb.halfAxes = {Vec3(0.3e308, 0, 0), Vec3(0, 0.3e308, 0), Vec3(0, 0, 0.1e308)};
   expectNotDropped(c);
