@@ -536,14 +536,21 @@ TEST(BoundedPlane, DenormalSpheres) {
 }
 
 TEST(BoundedPlane, SumsThatOverflow) {
-  // n = (1, 1, -1) up to scale: the first two terms of the sum are beyond the largest double.
-  Case c{.eye = Vec3::Zero(), .a = Vec3(0, -1, -1), .b = Vec3(1, 0, 1), .kind = Kind::Obb};
-  c.obb.center = Vec3(-1e308, -1e308, -1.4e308);
-  c.obb.halfAxes = {Vec3(0.3e308, 0, 0), Vec3(0, 0.3e308, 0), Vec3(0, 0, 0.1e308)};
-  expectNotDropped(c);
-  c.kind = Kind::Aabb;
-  c.aabb.min = Vec3(-1e308, -1e308, -1.7e308), c.aabb.max = Vec3(-0.9e308, -0.5e308, -1.6e308);
-  expectNotDropped(c);
+  // n = (1, 1, -1) up to scale and order: two terms of the sum together are beyond the largest double,
+  // whichever way it is added up; so is the sum of the other box's corners.
+  for (int turn = 0; turn < 3; ++turn) {
+    const auto v = [turn](double x, double y, double z) {
+      const std::array p = {x, y, z};
+      const auto at = [&](int i) { return 1e308 * p[static_cast<std::size_t>((i + turn) % 3)]; };
+      return Vec3(at(0), at(1), at(2));
+    };
+    Case c{.eye = Vec3::Zero(), .a = v(0, -1, -1), .b = v(1, 0, 1), .kind = Kind::Obb};
+    c.obb = {v(-1, -1, -1.4), {v(0.3, 0, 0), v(0, 0.3, 0), v(0, 0, 0.1)}};
+    expectNotDropped(c);
+    c.kind = Kind::Aabb;
+    c.aabb.min = v(-1, -0.1, -1), c.aabb.max = v(-0.9, 0.5, -0.5);
+    expectNotDropped(c);
+  }
 }
 
 }  // namespace
