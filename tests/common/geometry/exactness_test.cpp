@@ -189,7 +189,17 @@ bool plainlyOutside(const Case& c, const Vec3& origin) {
   return n.dot(relative(c.sphere.center)) - distance + static_cast<Real>(c.sphere.radius) < 0;
 }
 
-enum class Place { Anywhere, Touching, AtCorner, OnGrid, HoldsEye, SpansEyePlane, HoldsFrustum, AnyDoubles };
+enum class Place {
+  Anywhere,
+  AboutTile,
+  Touching,
+  AtCorner,
+  OnGrid,
+  HoldsEye,
+  SpansEyePlane,
+  HoldsFrustum,
+  AnyDoubles
+};
 
 struct Family {
   const char* name;
@@ -214,6 +224,10 @@ const std::array kFamilies = {
     Family{.name = "random, 1e9", .size = 1e9},
     Family{.name = "random, tile of 0.001 deg", .fovDeg = 0.001},
     Family{.name = "random, tile of 179.9 deg", .fovDeg = 179.9},
+    Family{.name = "about a tile, 50 deg", .place = Place::AboutTile, .fovDeg = 50},
+    Family{.name = "about a tile, 1 deg", .place = Place::AboutTile, .fovDeg = 1},
+    Family{.name = "about a tile, 0.001 deg", .place = Place::AboutTile, .fovDeg = 0.001},
+    Family{.name = "about a tile, 179.9 deg", .place = Place::AboutTile, .fovDeg = 179.9},
     Family{.name = "touching, offset 0", .place = Place::Touching},
     Family{.name = "touching, offset 1e4", .place = Place::Touching, .offset = 1e4},
     Family{.name = "touching, offset 1e6", .place = Place::Touching, .offset = 1e6},
@@ -306,6 +320,15 @@ class Generator {
       case Place::Anywhere:
         setCenter(c, (c.eye + scale * 4 * unit3()).eval(), half, radius);
         break;
+      case Place::AboutTile: {
+        const Vec3 diagonal = corners_[2] - corners_[0];
+        const double depth = 10 * spread(1e-3), width = depth * diagonal.norm() / f.size;
+        for (Vec3& h : half)
+          h *= width;
+        const Vec3 middle = corners_[0] + 0.5 * diagonal - c.eye;
+        setCenter(c, (c.eye + depth * middle + width * f.size * unit3()).eval(), half, width * radius);
+        break;
+      }
       case Place::HoldsEye: {
         Vec3 center = c.eye;
         for (const Vec3& h : half)
@@ -499,7 +522,9 @@ TEST(Exactness, BoxesAgainstPlanes) {
     }
     EXPECT_EQ(all[i].wronglyOutside, 0U) << family.name << ": " << example;
     EXPECT_EQ(all[i].wronglyInside, 0U) << family.name << ": " << example;
-    if (plain) sum.outside += all[i].outside + all[i].excess, sum.excess += all[i].excess;
+    // Where a tile is 3e-7 wide, the rounding of its corners alone is 1e-9 of it.
+    if (plain && family.fovDeg != 0.001)
+      sum.outside += all[i].outside + all[i].excess, sum.excess += all[i].excess;
   }
   printTable(all, kSeed);
   std::printf("of %llu boxes outside, in families not made to touch, the bound keeps %llu\n",
