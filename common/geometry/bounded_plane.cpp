@@ -8,29 +8,39 @@ namespace tessera {
 
 namespace {
 
-/// `v` times the power of two that brings its largest component into [1/2, 1): exact, and keeps products
-/// of extreme scenes away from overflow and underflow.
-Vec3 scaledToUnit(const Vec3& v) {
+/// The exponent e with largest component in [2^(e-1), 2^e); 0 where there is none.
+int exponentOf(const Vec3& v) {
   const double largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0) || !std::isfinite(largest)) return v;
+  if (!(largest > 0) || !std::isfinite(largest)) return 0;
   int exponent = 0;
   std::frexp(largest, &exponent);
-  return v.unaryExpr([exponent](double x) { return std::ldexp(x, -exponent); });
+  return exponent;
 }
+
+/// Times a power of two: exact but for underflow.
+Vec3 scaled(const Vec3& v, int exponent) {
+  return v.unaryExpr([exponent](double x) { return std::ldexp(x, exponent); });
+}
+
+/// What products before the normal's scaling, or numbers after it, may lose by underflow.
+constexpr double kUnderflow = 0x1p-1070;
 
 }  // namespace
 
 BoundedPlane planeThroughEye(const Vec3& a, const Vec3& b) {
-  const Vec3 p = scaledToUnit(b), q = scaledToUnit(a);
-  BoundedPlane plane;
-  plane.normal = p.cross(q);
+  const Vec3 p = scaled(b, -exponentOf(b)), q = scaled(a, -exponentOf(a));
+  const Vec3 normal = p.cross(q);
+  Vec3 error;
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    const double m = std::abs(p[j] * q[k]) + std::abs(p[k] * q[j]);
-    // The last term stands for products that underflow.
-    plane.errorPerUnit[i] =
-        6 * kUnitRoundoff * m + 12 * kUnitRoundoff * std::abs(plane.normal[i]) + 0x1p-1000;
+    error[i] = 6 * kUnitRoundoff * (std::abs(p[j] * q[k]) + std::abs(p[k] * q[j])) + kUnderflow;
   }
+  const int up = -3 - exponentOf(normal);
+  BoundedPlane plane;
+  plane.normal = scaled(normal, up);
+  plane.errorPerUnit =
+      scaled(error, up) + 12 * kUnitRoundoff * plane.normal.cwiseAbs() + Vec3::Constant(kUnderflow);
+  plane.errorConstant = 0x1p-1060;
   return plane;
 }
 

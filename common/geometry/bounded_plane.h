@@ -24,6 +24,14 @@ namespace tessera {
 /// is kept. Testing a box with centre c: d = fl(c - eye) errs by u|d|, a dot product of three by 3u of the
 /// sum of its absolute terms, the radius sum|n.h_k| by 5u likewise, the last two sums by 2u: at most 8u|n_i|
 /// a component of |d| + sum|h_k|; 12u|n_i| is kept, which also covers rounding in the bound itself.
+///
+/// Underflow: A, B and the normal are scaled by powers of two, so only components that vanish beside others
+/// are rounded by it. Before the normal is scaled that is below 6 * 2^-1075 a component (four products with a
+/// rounded factor, two rounded products); 2^-1070 is kept there, and again after scaling. In the test itself
+/// each of at most 30 products, halves and bounds may err by 2^-1075, whatever their factors; errorConstant
+/// is 2^-1060, which no scene's details notice. Overflow: the normal's components are below 1/8, so no sum of
+/// the test overflows unless d or the magnitude has, and then the bound is infinite or NaN, and the answer
+/// Intersecting.
 struct BoundedPlane {
   Vec3 normal = Vec3::Zero();
   double distance = 0;
@@ -34,10 +42,11 @@ struct BoundedPlane {
 enum class Side { Outside, Intersecting, Inside };
 
 /// The plane through the eye and the corners A and B, given relative to the eye (rounded once); points that
-/// see A to B clockwise about them are inside: the normal is b x a.
+/// see A to B clockwise about them are inside: the normal is b x a times a positive number that brings its
+/// largest component into [1/16, 1/8); 0 where the eye, A and B are collinear as far as doubles can tell.
 [[nodiscard]] BoundedPlane planeThroughEye(const Vec3& a, const Vec3& b);
 
-/// Widens the plane's bound by `angle` (radians, as the length of the change of a unit normal).
+/// Widens the plane's bound by `angle`: the length of the change of the normal as it is scaled here.
 void widen(BoundedPlane& plane, double angle);
 
 /// Bounds of one node relative to the eye, in the form in which planes test them.
@@ -60,8 +69,10 @@ struct RelativeAabb {
 
   RelativeAabb(const Aabb& box, const Vec3& eye) {
     const Vec3 low = box.min - eye, high = box.max - eye;
-    d = 0.5 * (low + high);
-    // The roundings of low, high and d are paid for here, relative to the corners.
+    d = 0.5 * low + 0.5 * high;  // the sum itself might overflow
+    // The roundings of low, high and d are paid for here, relative to the corners: u each for the difference,
+    // for d and half together (|low + high| + |high - low| is twice the larger magnitude), and for the sum
+    // below.
     magnitude = low.cwiseAbs().cwiseMax(high.cwiseAbs());
     half = 0.5 * (high - low) + 4 * kUnitRoundoff * magnitude;
     magnitude += half;
