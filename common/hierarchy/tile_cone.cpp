@@ -66,6 +66,7 @@ void TileCone::sides(FrustumPlanes& planes, PlaneSource source) const {
       side = {};
       side.normal = extracted[static_cast<std::size_t>(kOrder[i])].head<3>();
       side.errorPerUnit = 12 * kUnitRoundoff * side.normal.cwiseAbs();
+      side.errorConstant = 0x1p-1000;  // underflow, as in planeThroughEye
       // No a-priori analysis of the matrix: where its planes lie is measured against the corners.
       widen(side, overhang(side, 1) / minDepth * (1 + 8 * kUnitRoundoff));
     }
@@ -79,7 +80,7 @@ void addDepthPlane(FrustumPlanes& planes, const Vec3& axis, double axisError, do
   plane.normal = sign * axis;
   plane.distance = sign * distance;
   plane.errorPerUnit = 12 * kUnitRoundoff * axis.cwiseAbs() + Vec3::Constant(axisError);
-  plane.errorConstant = 8 * kUnitRoundoff * std::abs(distance);
+  plane.errorConstant = 8 * kUnitRoundoff * std::abs(distance) + 0x1p-1000;
   planes.planes[planes.count++] = plane;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "common/base/result.h"
+#include "common/hierarchy/spatial_hierarchy.h"
 #include "common/scene/scene.h"
 
 namespace tessera {
@@ -13,7 +14,10 @@ enum class UpAxis { Auto, Y, Z };
 
 struct LoadOptions {
   UpAxis up = UpAxis::Auto;
-  std::uint64_t maxTrianglesPerLeaf = 0;  ///< larger meshes are cut into several leaves; 0: never
+  /// How leaves are grouped: as in the file's graph, or by their places (spatial_hierarchy.h).
+  HierarchyKind hierarchy = HierarchyKind::Graph;
+  /// Larger meshes are cut into several leaves; spatial hierarchies group smaller ones. 0: neither.
+  std::uint64_t maxTrianglesPerLeaf = 0;
 };
 
 /// Loads a scene: glTF 2.0 (.gltf, .glb) or anything that OpenSceneGraph reads. The world is y up: glTF is so

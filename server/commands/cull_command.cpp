@@ -108,6 +108,7 @@ void addCullCommand(CLI::App& tessera, std::vector<Command>& commands) {
   auto flags = std::make_shared<CullCommandFlags>();
   flags->files.addWall(*app);
   flags->files.addScene(*app);
+  flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
   app->add_option("--frames", flags->frames, "Frames, evenly along the camera path")

@@ -30,6 +30,19 @@ void InputFiles::addUp(CLI::App& app) {
       ->envname("TESSERA_UP");
 }
 
+void InputFiles::addHierarchy(CLI::App& app) {
+  app.add_option("--hierarchy", hierarchy,
+                 "How leaves are grouped for culling: graph (as in the file), bvh, octree, loose-octree or kd")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"graph", "bvh", "octree", "loose-octree", "kd"}))
+      ->envname("TESSERA_HIERARCHY");
+  app.add_option("--mtpl", maxTrianglesPerLeaf,
+                 "Most triangles of a leaf: larger meshes are cut, and spatial hierarchies group smaller ones; "
+                 "0: leaves as in the file")
+      ->capture_default_str()
+      ->envname("TESSERA_MTPL");
+}
+
 void InputFiles::addCamera(CLI::App& app) {
   app.add_option("--camera", camera,
                  "Camera path (JSON, see configs/camera.schema.json); default: once around the scene")
@@ -46,7 +59,9 @@ Result<Wall> InputFiles::readWall() const {
 }
 
 Result<Scene> InputFiles::readScene() const {
-  auto read = loadScene(scene, up == "y" ? UpAxis::Y : up == "z" ? UpAxis::Z : UpAxis::Auto);
+  auto read = loadScene(scene, {.up = up == "y" ? UpAxis::Y : up == "z" ? UpAxis::Z : UpAxis::Auto,
+                                .hierarchy = *hierarchyFromName(hierarchy),
+                                .maxTrianglesPerLeaf = maxTrianglesPerLeaf});
   if (read) {
     for (const std::string& warning : read->warnings)
       spdlog::warn("{}: {}", scene, warning);

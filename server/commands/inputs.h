@@ -14,11 +14,14 @@ namespace tessera {
 
 /// The files that most commands take.
 struct InputFiles {
-  std::string wall, scene, camera, up = "auto";
+  std::string wall, scene, camera, up = "auto", hierarchy = "graph";
+  std::uint64_t maxTrianglesPerLeaf = 0;
 
   void addWall(CLI::App& app);
   void addScene(CLI::App& app);
   void addUp(CLI::App& app);
+  /// --hierarchy and --mtpl.
+  void addHierarchy(CLI::App& app);
   void addCamera(CLI::App& app);
 
   /// Reads and logs the warnings.

@@ -133,6 +133,7 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
   auto flags = std::make_shared<RunFlags>();
   flags->files.addWall(*app);
   flags->files.addScene(*app);
+  flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
   app->add_option("--frames", flags->frames, "Frames to draw, evenly along the camera path")

@@ -62,6 +62,7 @@ void addServeCommand(CLI::App& tessera, std::vector<Command>& commands) {
   auto flags = std::make_shared<ServeFlags>();
   flags->files.addWall(*app);
   flags->files.addScene(*app);
+  flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
   app->add_option("--listen", flags->listen,
