@@ -77,7 +77,9 @@ class AabbCornersView {
  public:
   AabbCornersView(const ObjectHierarchy& oh, std::uint32_t node, const Vec3& eye)
       : corners_{Vec3(oh.aabb(node).min - eye), Vec3(oh.aabb(node).max - eye)},
-        magnitude_(corners_[0].cwiseAbs().cwiseMax(corners_[1].cwiseAbs())),
+        // The second term is 0, or NaN where one corner is not finite: a maximum alone may lose that.
+        magnitude_(corners_[0].cwiseAbs().cwiseMax(corners_[1].cwiseAbs()) +
+                   0.0 * (corners_[0] + corners_[1])),
         center_(0.5 * corners_[0] + 0.5 * corners_[1]) {}
   Side side(const BoundedPlane& plane, TestCounts& counts) const {
     ++counts.aabb;

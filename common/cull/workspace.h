@@ -16,13 +16,13 @@ struct Task {
   std::uint32_t node, frustum, mask;
   bool isTile = false;
   bool isCut = false;    ///< known to be cut by the FH node's bisection
-  bool isGroup = false;  ///< `node` is an index into Workspace::groups
+  bool isGroup = false;  ///< the last of Workspace::groups instead of a node
 };
 
 /// Children on one side of a bisection, under a box of their own.
 struct PseudoGroup {
   Aabb box;
-  std::uint32_t firstMember = 0, endMember = 0;  ///< of Workspace::members
+  std::uint32_t firstMember = 0;  ///< of Workspace::members
 };
 
 /// A subtree that the first level leaves: wholly inside the primary frustum, or a cut terminal node.
@@ -40,9 +40,9 @@ struct Workspace {
   std::vector<FrontNode> front;
   std::vector<std::uint32_t> outsideFrame;  ///< by node: the last frame in which it was outside the primary
   std::uint32_t frame = 0;
-  std::vector<PseudoGroup> groups;
-  std::vector<std::uint32_t> members;
-  std::vector<std::uint32_t> left, right;  ///< children on the sides of a bisection
+  std::vector<PseudoGroup> groups;     ///< of the tasks, in their order
+  std::vector<std::uint32_t> members;  ///< of the groups, in their order
+  std::vector<std::uint32_t> children, left, right, cut;  ///< of what is being unfolded
   bool isUnordered = false;                ///< some list grew out of order and must be sorted
 };
 
@@ -58,6 +58,13 @@ struct Context {
 
   /// Lists the leaves below a node for a tile. Mostly in order; finishLists mends the rest.
   void emit(std::uint32_t tile, std::uint32_t node) const;
+
+  /// True where the node has reached the tile before, by way of another half of FH.
+  [[nodiscard]] bool isListed(std::uint32_t tile, std::uint32_t node) const {
+    const VisibleList& list = work.result.lists[tile];
+    const LeafRange range = oh.leaves(node);
+    return !list.empty() && list.back().first <= range.first && range.last <= list.back().last;
+  }
 
   template <class View>
   [[nodiscard]] Side bisect(View& bounds, std::uint32_t frustum) const {

@@ -121,14 +121,10 @@ bool GeneralFrusta::chooseSplit(std::span<const Part> parts, Split& best) const 
     const double count = static_cast<double>(parts.size());
     if (both > 0 && !options_.separateOverlaps) continue;
     if (negative == count && positive == count) continue;
-    // An object is taken to lie in a half as often as frusta do; a leaf below costs its planes, a set that
-    // can be split again about as many as a split in halves would: log2 of the frusta, and one leaf.
-    const auto below = [](double frusta, double left) {
-      return frusta <= 1 ? left : std::min(left, std::log2(frusta) + left / frusta);
-    };
+    // An object is taken to lie in a half as often as frusta do, and to be tested there against all that is
+    // left: what is split further costs less, so a split that does not pay even so never will.
     const double share = (negative - both / 2) / count;
-    const double cost =
-        1 + share * below(negative, negativePlanes) + (1 - share) * below(positive, positivePlanes);
+    const double cost = 1 + share * negativePlanes + (1 - share) * positivePlanes;
     if (cost < bestCost) {
       bestCost = cost;
       best.tile = tile;

@@ -80,7 +80,7 @@ void cullAdaptive(const Context& context) {
     const Task task = work.tasks.back();
     work.tasks.pop_back();
     if (task.isGroup) {
-      cullPseudoGroup(context, task);
+      cullPseudoGroup<View>(context, task);
     } else if (task.isTile) {
       cullToTile<View>(context, task);
     } else {

@@ -20,6 +20,7 @@ void placeTerminal(const Context& context, View& bounds, std::uint32_t node, std
       at = side == Side::Inside ? inner.positive : inner.negative;
     }
     for (const FrustumHierarchy::LeafTile& leaf : context.frusta.leafTiles(context.frusta.node(at))) {
+      if (context.isListed(leaf.tile, node)) continue;
       std::uint32_t mask = leaf.mask;
       if (mask == 0 || context.testTile(bounds, leaf.tile, node, mask)) context.emit(leaf.tile, node);
     }

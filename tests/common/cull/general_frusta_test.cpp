@@ -120,7 +120,7 @@ TEST_P(GeneralFrustaContract, ListsHardlyMoreThanNaiveCulling) {
   const double naive = pairs(cull::Algorithm::Naive);
   for (const cull::Algorithm algorithm : {cull::Algorithm::Fh, cull::Algorithm::Adaptive}) {
     EXPECT_LE(pairs(algorithm), 1.002 * naive + 2);
-    EXPECT_GE(pairs(algorithm), 0.97 * naive - 2);
+    EXPECT_GE(pairs(algorithm), 0.7 * naive - 2);  // bisections are more planes to be outside of
   }
 }
 
@@ -135,12 +135,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Arrangement{"cave", cave()}, Arrangement{"scattered", scattered()}),
     [](const auto& arrangement) { return arrangement.param.name; });
 
-/// Plane classifications of the adaptive algorithm on a crowd of small things.
-std::uint64_t testsOf(const FrustumHierarchy& frusta, cull::Algorithm algorithm) {
+/// Plane classifications for a crowd of things of at most that size.
+std::uint64_t testsOf(const FrustumHierarchy& frusta, cull::Algorithm algorithm, double size = 0.2) {
   Geometry geometry(19);
   TriangleScene scene;
   for (int i = 0; i < 3000; ++i)
-    scene.leaves.push_back(geometry.any(Vec3(0, 0, -10), 8));
+    scene.leaves.push_back(geometry.any(Vec3(0, 0, -10) + geometry.vector(8), size));
   scene.build(geometry.engine());
   cull::Culler culler(scene.hierarchy, {.algorithm = algorithm});
   return culler.cull(frusta).tests.classifications();
@@ -178,7 +178,10 @@ TEST(GeneralFrusta, SeparatesOverlapsWhereThatIsCheaper) {
   GeneralFrusta separate, together({.separateOverlaps = false});
   separate.update(tiles);
   together.update(tiles);
-  EXPECT_LT(2 * testsOf(separate, cull::Algorithm::Fh), testsOf(together, cull::Algorithm::Fh));
+  for (const double size : {0.02, 0.5, 2.0, 8.0}) {
+    EXPECT_LT(2 * testsOf(separate, cull::Algorithm::Fh, size), testsOf(together, cull::Algorithm::Fh, size))
+        << size;
+  }
   // Frusta that are the same have nothing to separate.
   separate.update(frustaOf({{0, -1, 1, -1, 1}, {0, -1, 1, -1, 1}}));
   EXPECT_EQ(separate.nodeCount(), 1U);
