@@ -23,14 +23,17 @@ namespace tessera::cull {
 // point is farther from the eye; outsideBy(): by how much it is certainly outside a plane.
 class SphereView {
  public:
-  SphereView(const ObjectHierarchy& oh, std::uint32_t node, const Vec3& eye) : sphere_(oh.sphere(node), eye) {}
+  SphereView(const ObjectHierarchy& oh, std::uint32_t node, const Vec3& eye)
+      : sphere_(oh.sphere(node), eye) {}
   Side side(const BoundedPlane& plane, TestCounts& counts) const {
     ++counts.sphere;
     return classify(sphere_, plane);
   }
   [[nodiscard]] const Vec3& center() const { return sphere_.d; }
-  [[nodiscard]] double outsideBy(const BoundedPlane& plane) const { return tessera::outsideBy(sphere_, plane); }
-  [[nodiscard]] double reach() const { return sphere_.magnitude.norm(); }
+  [[nodiscard]] double outsideBy(const BoundedPlane& plane) const {
+    return tessera::outsideBy(sphere_, plane);
+  }
+  [[nodiscard]] double reach() const { return sphere_.magnitude.sum(); }
   [[nodiscard]] double centerRadius() const { return sphere_.sphereRadius; }
 
  private:
@@ -47,7 +50,7 @@ class AabbView {
   }
   [[nodiscard]] const Vec3& center() const { return box_.d; }
   [[nodiscard]] double outsideBy(const BoundedPlane& plane) const { return tessera::outsideBy(box_, plane); }
-  [[nodiscard]] double reach() const { return box_.magnitude.norm(); }
+  [[nodiscard]] double reach() const { return box_.magnitude.sum(); }
   [[nodiscard]] double centerRadius() const { return box_.half.norm(); }
 
  private:
@@ -63,7 +66,7 @@ class ObbView {
   }
   [[nodiscard]] const Vec3& center() const { return box_.d; }
   [[nodiscard]] double outsideBy(const BoundedPlane& plane) const { return tessera::outsideBy(box_, plane); }
-  [[nodiscard]] double reach() const { return box_.magnitude.norm(); }
+  [[nodiscard]] double reach() const { return box_.magnitude.sum(); }
   [[nodiscard]] double centerRadius() const { return radiusOf(box_); }
 
  private:
@@ -92,7 +95,7 @@ class AabbCornersView {
   [[nodiscard]] double outsideBy(const BoundedPlane& plane) const {
     return -(valueAt(plane, 1) + plane.errorPerUnit.dot(magnitude_) + plane.errorConstant);
   }
-  [[nodiscard]] double reach() const { return magnitude_.norm(); }
+  [[nodiscard]] double reach() const { return magnitude_.sum(); }
   [[nodiscard]] double centerRadius() const { return 0.5 * (corners_[1] - corners_[0]).norm(); }
 
  private:
@@ -126,7 +129,7 @@ class HybridView {
     return obb_ ? tessera::outsideBy(*obb_, plane) : tessera::outsideBy(*aabb_, plane);
   }
   [[nodiscard]] double centerRadius() const { return obb_ ? radiusOf(*obb_) : aabb_->half.norm(); }
-  [[nodiscard]] double reach() const { return obb_ ? obb_->magnitude.norm() : aabb_->magnitude.norm(); }
+  [[nodiscard]] double reach() const { return obb_ ? obb_->magnitude.sum() : aabb_->magnitude.sum(); }
 
  private:
   std::optional<RelativeAabb> aabb_;

@@ -24,7 +24,7 @@ void MotionCache::advance(std::uint32_t slot, const FrustumPlanes& planes, const
       tracks_[std::size_t{slot} * kPlanes + p] = {};
   }
   const Vec3 step = eye - eyes_[slot];
-  const double length = step.norm();
+  const double length = step.cwiseAbs().sum();  // no less than |step|
   eyes_[slot] = eye;
   for (std::uint32_t p = 0; p < planes.count; ++p) {
     Track& track = tracks_[std::size_t{slot} * kPlanes + p];
@@ -37,8 +37,7 @@ void MotionCache::advance(std::uint32_t slot, const FrustumPlanes& planes, const
     track.turned += (normal - track.unitNormal).norm() + 2 * track.defect + 2 * defect + 8 * u;
     track.length += length * (1 + 8 * u);
     track.error += (2 * track.defect + 2 * defect + 8 * u) * length + 8 * u * std::abs(track.approach) +
-                   8 * u * (std::abs(distance) + std::abs(track.distance)) +
-                   2 * plane.errorConstant / scale;
+                   8 * u * (std::abs(distance) + std::abs(track.distance)) + 2 * plane.errorConstant / scale;
     track.unitNormal = normal;
     track.defect = defect;
     track.scale = scale;

@@ -9,13 +9,13 @@ namespace tessera::cull {
 
 /// Remembers, for nodes that a plane rejected, how far outside they were, and tells from the eye's path and
 /// the planes' turning alone whether they still are (Real-Time Rendering, section 14.3; Assarsson and Moeller
-/// 2000: for a viewer that only moves the distance changes by the same amount for all nodes, for one that only
-/// turns by no more than the angle times the node's distance from the eye).
+/// 2000: for a viewer that only moves the distance changes by the same amount for all nodes, for one that
+/// only turns by no more than the angle times the node's distance from the eye).
 ///
-/// Derivation. With n the exact unit normal of a plane through the eye e (or at a distance D from it), a point
-/// p = x - e of the node has n.p - D <= -m. Over one step n' = n + dn, e' = e + de, D' = D + dD:
-/// n'.p' - D' = n.p - D + dn.p' - n.de - dD. Summed over steps, with S the sum of n.de + dD, A of |dn|, L of
-/// |de|, and |p'| never more than reach + L: the node is outside while m + S - A (reach + L) > 0. The stored
+/// Derivation. With n the exact unit normal of a plane through the eye e (or at a distance D from it), a
+/// point p = x - e of the node has n.p - D <= -m. Over one step n' = n + dn, e' = e + de, D' = D + dD: n'.p'
+/// - D' = n.p - D + dn.p' - n.de - dD. Summed over steps, with S the sum of n.de + dD, A of |dn|, L of |de|,
+/// and |p'| never more than reach + L: the node is outside while m + S - A (reach + L) > 0. The stored
 /// normals differ from the exact ones by a relative d = |errorPerUnit| / |n|, so A also takes 2d + 2d' a step
 /// and E, which is subtracted, takes (2d + 8u)|de| and the rounding of the sums.
 class MotionCache {
@@ -37,7 +37,7 @@ class MotionCache {
     const double turned = track.turned - entry.turned;
     const double reach = entry.reach + track.length;
     const double left = entry.margin + track.approach - track.error - turned * reach;
-    return left > 1e-12 * (entry.magnitude + turned * reach);
+    return left > 1e-12 * (entry.magnitude + turned * reach) + 0x1p-1000;  // the latter for underflow
   }
 
   /// Notes that the plane rejects the node now, `outsideBy` (> 0) in the plane's own units.

@@ -45,8 +45,8 @@ struct Switches {
   /// For tests and the record: the octant test with the mistake that Koblizek's term project confesses
   /// (section 3): planes left out are masked for the children, which may be outside of them.
   bool octantPitfall = false;
-  /// The corners nearest to and farthest along a plane's normal by a table of its signs, instead of centre and
-  /// half-extents (term project, section 2.4). For AABBs alone.
+  /// The corners nearest to and farthest along a plane's normal by a table of its signs, instead of centre
+  /// and half-extents (term project, section 2.4). For AABBs alone.
   bool signTable = false;
   /// A sphere first, then the box where the sphere is cut (Real-Time Rendering, section 14.3).
   bool sphereFirst = false;

@@ -40,10 +40,10 @@ struct Workspace {
   std::vector<FrontNode> front;
   std::vector<std::uint32_t> outsideFrame;  ///< by node: the last frame in which it was outside the primary
   std::uint32_t frame = 0;
-  std::vector<PseudoGroup> groups;     ///< of the tasks, in their order
-  std::vector<std::uint32_t> members;  ///< of the groups, in their order
+  std::vector<PseudoGroup> groups;                        ///< of the tasks, in their order
+  std::vector<std::uint32_t> members;                     ///< of the groups, in their order
   std::vector<std::uint32_t> children, left, right, cut;  ///< of what is being unfolded
-  bool isUnordered = false;                ///< some list grew out of order and must be sorted
+  bool isUnordered = false;                               ///< some list grew out of order and must be sorted
 };
 
 /// One frame's work: the inputs and the workspace.
@@ -76,7 +76,8 @@ struct Context {
     return work.tester.test(bounds, frusta.primary(), 0, node, mask, counts());
   }
   template <class View>
-  [[nodiscard]] bool testTile(View& bounds, std::uint32_t tile, std::uint32_t node, std::uint32_t& mask) const {
+  [[nodiscard]] bool testTile(View& bounds, std::uint32_t tile, std::uint32_t node,
+                              std::uint32_t& mask) const {
     return work.tester.test(bounds, frusta.tile(tile), 1 + tile, node, mask, counts());
   }
 

@@ -68,9 +68,9 @@ Aabb aabbOf(std::span<const Vec3> points, const Vec3& margin) {
 Sphere sphereOf(std::span<const Vec3> points, const Vec3& center, const Vec3& margin) {
   double reach = 0;
   for (const Vec3& p : points)
-    reach = std::max(reach, (p - center).norm());
+    reach = std::max(reach, lengthOf(p - center));
   // The norm of a rounded difference errs by less than 8 u relative; the margin is a vector added to p.
-  return {center, (reach + margin.norm()) * (1 + 16 * kUnitRoundoff)};
+  return {center, (reach + lengthOf(margin)) * (1 + 16 * kUnitRoundoff) + 0x1p-1060};
 }
 
 Obb pcaObbOf(std::span<const Vec3> points, const Vec3& margin) {
@@ -93,7 +93,7 @@ Obb pcaObbOf(std::span<const Vec3> points, const Vec3& margin) {
     const Vec3 d = p - middle;
     const Vec3 t = axes.transpose() * d;
     low = low.cwiseMin(t), high = high.cwiseMax(t);
-    reach = std::max(reach, d.norm());
+    reach = std::max(reach, lengthOf(d));
   }
   const Vec3 centerLocal = 0.5 * (low + high);
 

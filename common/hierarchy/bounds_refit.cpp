@@ -125,9 +125,9 @@ void BoundsRefit::recompute(std::uint32_t node) {
   const Vec3 center = bounds.aabb.center();
   double reach = 0;
   for (std::uint32_t c = node + 1; c != end; c = oh_.subtreeEnd_[c])
-    reach = std::max(reach, (oh_.spheres_[c].center - center).norm() + oh_.spheres_[c].radius);
-  const double diagonal = (bounds.aabb.max - center).cwiseMax(center - bounds.aabb.min).norm();
-  bounds.sphere = {center, std::min(reach, diagonal) * (1 + 16 * kUnitRoundoff)};
+    reach = std::max(reach, lengthOf(oh_.spheres_[c].center - center) + oh_.spheres_[c].radius);
+  const double diagonal = lengthOf((bounds.aabb.max - center).cwiseMax(center - bounds.aabb.min));
+  bounds.sphere = {center, std::min(reach, diagonal) * (1 + 16 * kUnitRoundoff) + 0x1p-1060};
   store(node, bounds);
 }
 

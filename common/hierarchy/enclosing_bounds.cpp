@@ -37,9 +37,9 @@ Bounds EnclosingBounds::result(BoxFit fit) const {
   const Vec3 center = box_.center();
   double reach = 0;
   for (const Sphere& s : spheres_)
-    reach = std::max(reach, (s.center - center).norm() + s.radius);
-  const double diagonal = (box_.max - center).cwiseMax(center - box_.min).norm();
-  bounds.sphere = {center, std::min(reach, diagonal) * (1 + 16 * kUnitRoundoff)};
+    reach = std::max(reach, lengthOf(s.center - center) + s.radius);
+  const double diagonal = lengthOf((box_.max - center).cwiseMax(center - box_.min));
+  bounds.sphere = {center, std::min(reach, diagonal) * (1 + 16 * kUnitRoundoff) + 0x1p-1060};
   return bounds;
 }
 

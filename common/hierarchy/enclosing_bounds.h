@@ -15,7 +15,7 @@ struct Bounds {
 
 /// How the oriented box of an inner node is found.
 enum class BoxFit {
-  Pca,          ///< from the eigenvectors of the corners of the boxes inside (Nirnimesh, Harish, Narayanan 2006)
+  Pca,  ///< from the eigenvectors of the corners of the boxes inside (Nirnimesh, Harish, Narayanan 2006)
   AxisAligned,  ///< the axis-aligned box: 11 to 22 times cheaper, looser
 };
 

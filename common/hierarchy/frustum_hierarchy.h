@@ -27,7 +27,7 @@ struct FrustumPlanes {
 class FrustumHierarchy {
  public:
   struct Node {
-    std::uint32_t negative = 0, positive = 0;       ///< children; 0 for a leaf
+    std::uint32_t negative = 0, positive = 0;          ///< children; 0 for a leaf
     std::uint32_t firstLeafTile = 0, endLeafTile = 0;  ///< of a leaf
     /// Planes of the primary frustum that still bound what is below the child; the others are replaced by
     /// the bisection plane itself.

@@ -18,7 +18,8 @@ namespace tessera {
 /// its way there has not implied (section 4.2).
 ///
 /// The topology is kept while the arrangement stays rigid (a moving camera); it is built anew when frusta
-/// come to stick out over their half by more than kStaleAngle, as when an observer moves before fixed screens.
+/// come to stick out over their half by more than kStaleAngle, as when an observer moves before fixed
+/// screens.
 class GeneralFrusta : public FrustumHierarchy {
  public:
   struct Options {

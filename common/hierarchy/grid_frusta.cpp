@@ -106,10 +106,12 @@ void GridFrusta::updateBisection(std::uint32_t index) {
   BoundedPlane& plane = bisections_[index];
   if (negative.endColumn == positive.firstColumn) {
     const int column = negative.endColumn - 1;
-    plane = planeThroughEye(cone(column, cells.firstRow).corners[2], cone(column, cells.endRow - 1).corners[1]);
+    plane =
+        planeThroughEye(cone(column, cells.firstRow).corners[2], cone(column, cells.endRow - 1).corners[1]);
   } else {
     const int row = negative.endRow - 1;
-    plane = planeThroughEye(cone(cells.endColumn - 1, row).corners[1], cone(cells.firstColumn, row).corners[0]);
+    plane =
+        planeThroughEye(cone(cells.endColumn - 1, row).corners[1], cone(cells.firstColumn, row).corners[0]);
   }
   widen(plane, std::max(overhang(plane, positive, 1), overhang(plane, negative, -1)));
 }

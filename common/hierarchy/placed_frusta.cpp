@@ -12,11 +12,20 @@ BoundedPlane inModelSpace(const BoundedPlane& plane, const Mat3& linear, const V
   BoundedPlane placed;
   placed.normal = linear.transpose() * plane.normal;
   placed.distance = plane.distance - plane.normal.dot(offset);
-  placed.errorPerUnit = kSlack * (magnitude.transpose() * (plane.errorPerUnit + 4 * u * n) +
-                                  12 * u * placed.normal.cwiseAbs());
-  placed.errorPerUnit += Vec3::Constant(0x1p-1000);  // products that underflow
+  placed.errorPerUnit =
+      kSlack * (magnitude.transpose() * (plane.errorPerUnit + 4 * u * n) + 12 * u * placed.normal.cwiseAbs());
   placed.errorConstant = kSlack * (plane.errorConstant + (plane.errorPerUnit + 6 * u * n).dot(tau) +
                                    8 * u * std::abs(placed.distance));
+  // As planeThroughEye: to components near 1, so that lengths and sums neither underflow nor overflow; and
+  // what products may have lost by underflow.
+  const double largest = placed.normal.cwiseAbs().maxCoeff();
+  int exponent = 0;
+  if (largest > 0 && std::isfinite(largest)) std::frexp(largest, &exponent);
+  const auto scale = [exponent](double x) { return std::ldexp(x, -3 - exponent); };
+  placed.normal = placed.normal.unaryExpr(scale);
+  placed.distance = scale(placed.distance);
+  placed.errorPerUnit = (placed.errorPerUnit + Vec3::Constant(0x1p-1000)).unaryExpr(scale);
+  placed.errorConstant = scale(placed.errorConstant + 0x1p-1000) + 0x1p-1060;
   return placed;
 }
 

@@ -27,6 +27,17 @@ UnitNormal normalAt(const std::array<Vec3, 4>& corners, std::size_t i) {
 TileCone::TileCone(const Frustum& frustum, const std::optional<Vec3>& commonAxis) {
   for (std::size_t i = 0; i < 4; ++i)
     corners[i] = frustum.corners[i] - frustum.eye;
+  // How far away the rectangle lies has no meaning; at a distance near 1 nothing underflows. A power of two
+  // is exact, but for what vanishes beside the rest.
+  double largest = 0;
+  for (const Vec3& k : corners)
+    largest = std::max(largest, k.cwiseAbs().maxCoeff());
+  if (largest > 0 && std::isfinite(largest)) {
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    for (Vec3& k : corners)
+      k = k.unaryExpr([exponent](double x) { return std::ldexp(x, -exponent); });
+  }
   axis = commonAxis ? *commonAxis : normalAt(corners, 0).n;
   axisError = 0;
   minDepth = std::numeric_limits<double>::infinity();
@@ -58,8 +69,7 @@ double TileCone::overhang(const BoundedPlane& plane, double sign) const {
 void TileCone::sides(FrustumPlanes& planes, PlaneSource source) const {
   if (source == PlaneSource::Matrix && isProper) {
     // Near and far do not enter the sides; these keep the matrix well conditioned.
-    const auto extracted =
-        gribbHartmannPlanes(relativeViewProjection(corners, axis, minDepth, 2 * minDepth));
+    const auto extracted = gribbHartmannPlanes(relativeViewProjection(corners, axis, minDepth, 2 * minDepth));
     constexpr std::array kOrder = {ClipPlane::Bottom, ClipPlane::Right, ClipPlane::Top, ClipPlane::Left};
     for (std::size_t i = 0; i < 4; ++i) {
       BoundedPlane& side = planes.planes[i];

@@ -17,12 +17,12 @@ enum class PlaneSource {
 
 /// One tile's frustum as the cone of its four corner rays, relative to the eye, and what is certain of it.
 struct TileCone {
-  std::array<Vec3, 4> corners;
+  std::array<Vec3, 4> corners;              ///< scaled together by a power of two to lengths near 1
   std::array<BoundedPlane, 4> cornerSides;  ///< through the eye and corners i, i + 1
-  Vec3 axis = Vec3::Zero();  ///< unit normal of the image rectangle, away from the eye
+  Vec3 axis = Vec3::Zero();                 ///< unit normal of the image rectangle, away from the eye
   double axisError = std::numeric_limits<double>::infinity();  ///< of the normal of any three corners
-  double minDepth = 0;       ///< of the corners along the axis; certain
-  bool isProper = false;     ///< certainly convex and before the eye
+  double minDepth = 0;                                         ///< of the corners along the axis; certain
+  bool isProper = false;                                       ///< certainly convex and before the eye
 
   TileCone() = default;
   /// `commonAxis` is that of the wall where the tile lies in its plane.

@@ -31,14 +31,16 @@ void InputFiles::addUp(CLI::App& app) {
 }
 
 void InputFiles::addHierarchy(CLI::App& app) {
-  app.add_option("--hierarchy", hierarchy,
-                 "How leaves are grouped for culling: graph (as in the file), bvh, octree, loose-octree or kd")
+  app.add_option(
+         "--hierarchy", hierarchy,
+         "How leaves are grouped for culling: graph (as in the file), bvh, octree, loose-octree or kd")
       ->capture_default_str()
       ->check(CLI::IsMember({"graph", "bvh", "octree", "loose-octree", "kd"}))
       ->envname("TESSERA_HIERARCHY");
-  app.add_option("--mtpl", maxTrianglesPerLeaf,
-                 "Most triangles of a leaf: larger meshes are cut, and spatial hierarchies group smaller ones; "
-                 "0: leaves as in the file")
+  app.add_option(
+         "--mtpl", maxTrianglesPerLeaf,
+         "Most triangles of a leaf: larger meshes are cut, and spatial hierarchies group smaller ones; "
+         "0: leaves as in the file")
       ->capture_default_str()
       ->envname("TESSERA_MTPL");
 }
@@ -59,7 +61,9 @@ Result<Wall> InputFiles::readWall() const {
 }
 
 Result<Scene> InputFiles::readScene() const {
-  auto read = loadScene(scene, {.up = up == "y" ? UpAxis::Y : up == "z" ? UpAxis::Z : UpAxis::Auto,
+  auto read = loadScene(scene, {.up = up == "y"   ? UpAxis::Y
+                                      : up == "z" ? UpAxis::Z
+                                                  : UpAxis::Auto,
                                 .hierarchy = *hierarchyFromName(hierarchy),
                                 .maxTrianglesPerLeaf = maxTrianglesPerLeaf});
   if (read) {
@@ -78,7 +82,7 @@ namespace {
 
 struct SwitchFlag {
   const char* name;
-  bool cull::Switches::* value;
+  bool cull::Switches::*value;
   bool byDefault;
   const char* what;
 };
@@ -106,8 +110,7 @@ constexpr std::array kSwitches = {
 }  // namespace
 
 void CullFlags::add(CLI::App& app) {
-  app.add_option("--algorithm", algorithm,
-                 "How to cull: none, naive, oh, fh, adaptive or adaptive-listing")
+  app.add_option("--algorithm", algorithm, "How to cull: none, naive, oh, fh, adaptive or adaptive-listing")
       ->capture_default_str()
       ->envname("TESSERA_ALGORITHM");
   app.add_option("--bounds", bounds, "What to cull by: sphere, aabb, obb, hybrid or aabb-then-obb")
@@ -116,7 +119,8 @@ void CullFlags::add(CLI::App& app) {
   for (const SwitchFlag& flag : kSwitches) {
     const std::string name = std::string("--") + (flag.byDefault ? "no-" : "") + flag.name;
     app.add_flag_callback(
-           name, [this, &flag] { switches.*flag.value = !flag.byDefault; }, std::string("Culling: ") + flag.what)
+           name, [this, &flag] { switches.*flag.value = !flag.byDefault; },
+           std::string("Culling: ") + flag.what)
         ->group("Switches of the cullers");
   }
   app.add_option("--regroup-from", switches.regroupFrom, "Culling: the fewest children that --regroup groups")

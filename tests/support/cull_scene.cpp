@@ -119,14 +119,15 @@ std::vector<Candidate> allCandidates() {
       Named{"sphere-first", {.sphereFirst = true}},
       Named{"motion-coherence", {.motionCoherence = true}},
       Named{"regroup", {.regroup = true, .regroupFrom = 2}},
-      Named{"all", {.planeCoherency = true, .octantTest = true, .sphereFirst = true, .motionCoherence = true}},
+      Named{"all",
+            {.planeCoherency = true, .octantTest = true, .sphereFirst = true, .motionCoherence = true}},
       Named{"all with sign-table",
             {.planeCoherency = true, .octantTest = true, .signTable = true, .motionCoherence = true}},
   };
   for (const Algorithm algorithm : {Algorithm::None, Algorithm::Naive, Algorithm::Oh, Algorithm::Fh,
                                     Algorithm::Adaptive, Algorithm::AdaptiveListing}) {
-    for (const BoundsKind bounds : {BoundsKind::Sphere, BoundsKind::Aabb, BoundsKind::Obb,
-                                    BoundsKind::Hybrid, BoundsKind::AabbThenObb}) {
+    for (const BoundsKind bounds : {BoundsKind::Sphere, BoundsKind::Aabb, BoundsKind::Obb, BoundsKind::Hybrid,
+                                    BoundsKind::AabbThenObb}) {
       if (algorithm == Algorithm::None && bounds != BoundsKind::Obb) continue;
       add(algorithm, bounds, {}, "");
       if (algorithm == Algorithm::None) continue;
@@ -143,7 +144,8 @@ std::string firstDrop(const cull::Result& result, const std::vector<std::vector<
   for (std::size_t tile = 0; tile < meets.size(); ++tile) {
     const VisibleList& list = result.lists[tile];
     const auto leafCount = static_cast<std::uint32_t>(meets[tile].size());
-    if (!isCanonical(list, leafCount)) return "the list of tile " + std::to_string(tile) + " is not canonical";
+    if (!isCanonical(list, leafCount))
+      return "the list of tile " + std::to_string(tile) + " is not canonical";
     for (std::uint32_t leaf = 0; leaf < leafCount; ++leaf) {
       const std::uint32_t index = order.empty() ? leaf : order[leaf];
       if (meets[tile][index] && !containsLeaf(list, leaf))

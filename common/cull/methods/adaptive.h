@@ -10,8 +10,7 @@ namespace tessera::cull {
 /// An inner node at a leaf of FH: listed where nothing can be outside any more, else unfolded against what is
 /// left of the planes.
 inline void arrive(const Context& context, const Task& task, std::uint32_t mask, std::uint32_t childMask) {
-  for (const FrustumHierarchy::LeafTile& leaf :
-       context.frusta.leafTiles(context.frusta.node(task.frustum))) {
+  for (const FrustumHierarchy::LeafTile& leaf : context.frusta.leafTiles(context.frusta.node(task.frustum))) {
     if (leaf.mask == 0 && (!leaf.boundedByPrimary || mask == 0)) {
       context.emit(leaf.tile, task.node);
     } else if (leaf.mask == 0) {
@@ -68,8 +67,9 @@ void cullAdaptiveNode(const Context& context, Task task) {
 
 /// The adaptive algorithm as the text of Nirnimesh, Harish, Narayanan 2006, section 4.2, describes it: the FH
 /// is descended while the node is uncut, the OH unfolded where it is cut; at a leaf of FH the OH is culled to
-/// what is left of the tile's planes. The primary frustum is culled to in the same traversal: a tile of a grid
-/// is bounded by the bisections on its path and by sides of the primary frustum, so `mask` holds what is left.
+/// what is left of the tile's planes. The primary frustum is culled to in the same traversal: a tile of a
+/// grid is bounded by the bisections on its path and by sides of the primary frustum, so `mask` holds what is
+/// left.
 template <class View>
 void cullAdaptive(const Context& context) {
   Workspace& work = context.work;

@@ -7,11 +7,11 @@
 namespace tessera::cull {
 
 /// Algorithm 2 of Nirnimesh, Harish, Narayanan 2006 as printed, for each node that the first level leaves:
-/// the node's children are classified (ClassifyLCR) and handed on, those that are cut to both halves; where FH
-/// ends the whole node is marked, also where the tile's planes cut it, so it lists much more than the text's
-/// version. The listing has no line for a terminal node above a leaf of FH: it would vanish; as the text says
-/// "at leaf nodes in OH, only FH traversal remains", it is classified itself. Where leaves of FH do not fill
-/// their parents, a check comes before the mark (the text after the listing).
+/// the node's children are classified (ClassifyLCR) and handed on, those that are cut to both halves; where
+/// FH ends the whole node is marked, also where the tile's planes cut it, so it lists much more than the
+/// text's version. The listing has no line for a terminal node above a leaf of FH: it would vanish; as the
+/// text says "at leaf nodes in OH, only FH traversal remains", it is classified itself. Where leaves of FH do
+/// not fill their parents, a check comes before the mark (the text after the listing).
 template <class View>
 void cullAdaptiveListing(const Context& context) {
   Workspace& work = context.work;

@@ -4,8 +4,8 @@
 
 namespace tessera::cull {
 
-/// Takes a terminal node down the FH from `frustum` on: to one half where a bisection does not cut it, to both
-/// where it does; at a leaf of FH the terminal test against what the way there has not implied.
+/// Takes a terminal node down the FH from `frustum` on: to one half where a bisection does not cut it, to
+/// both where it does; at a leaf of FH the terminal test against what the way there has not implied.
 template <class View>
 void placeTerminal(const Context& context, View& bounds, std::uint32_t node, std::uint32_t frustum) {
   std::vector<std::uint32_t>& stack = context.work.frustumStack;

@@ -4,9 +4,9 @@
 
 namespace tessera::cull {
 
-/// Culls the OH to the primary frustum (Nirnimesh, Harish, Narayanan 2006, section 4.2: "a first level culling
-/// to the primary view frustum"). Leaves the front: maximal subtrees inside it and terminal nodes that it
-/// cuts, in pre-order; and marks the nodes found outside. Without `culls` the front is the root.
+/// Culls the OH to the primary frustum (Nirnimesh, Harish, Narayanan 2006, section 4.2: "a first level
+/// culling to the primary view frustum"). Leaves the front: maximal subtrees inside it and terminal nodes
+/// that it cuts, in pre-order; and marks the nodes found outside. Without `culls` the front is the root.
 template <class View>
 void cullFirstLevel(const Context& context, bool culls) {
   Workspace& work = context.work;

@@ -123,8 +123,8 @@ TEST_P(CullerContract, HoldsAlongAFlightWithWhatIsRemembered) {
                             cull::Switches{.planeCoherency = true, .motionCoherence = true}};
   std::vector<cull::Culler> cullers;
   for (const cull::Switches& switches : flags) {
-    for (const cull::Algorithm algorithm : {cull::Algorithm::Naive, cull::Algorithm::Oh, cull::Algorithm::Fh,
-                                            cull::Algorithm::Adaptive}) {
+    for (const cull::Algorithm algorithm :
+         {cull::Algorithm::Naive, cull::Algorithm::Oh, cull::Algorithm::Fh, cull::Algorithm::Adaptive}) {
       cullers.emplace_back(scene.hierarchy, cull::Options{.algorithm = algorithm, .switches = switches});
     }
   }
@@ -210,20 +210,20 @@ TEST_P(CullerContract, UnionOverTilesIsTheWallsOwnList) {
 // Around 250 leaves make the cases of one setting; fewer where there are thousands of tiles.
 INSTANTIATE_TEST_SUITE_P(
     Settings, CullerContract,
-    ::testing::Values(
-        Setting{"one", 1, 1, 50, 0, 10}, Setting{"plain3x2", 3, 2, 50, 0, 10},
-        Setting{"far1e4", 4, 4, 60, 1e4, 100}, Setting{"wide16x1", 16, 1, 120, 0, 10},
-        Setting{"tall1x16", 1, 16, 170, 0, 10}, Setting{"row64x1", 64, 1, 50, 0, 10},
-        Setting{"column1x64", 1, 64, 50, 0, 10}, Setting{"narrow0p01", 4, 4, 0.01, 0, 10},
-        Setting{"narrowest", 3, 3, 0.001, 0, 10}, Setting{"widest", 3, 3, 179.9, 0, 10},
-        Setting{"far1e6", 4, 4, 50, 1e6, 0.05}, Setting{"far1e7", 4, 4, 50, 1e7, 1},
-        Setting{"far1e8", 4, 4, 50, 1e8, 1}, Setting{"far1e12", 3, 3, 50, 1e12, 100},
-        Setting{"tiny", 3, 3, 50, 0, 1e-9}, Setting{"huge", 3, 3, 50, 0, 1e9},
-        Setting{"hugeFar", 3, 3, 50, 1e12, 1e9}, Setting{"denormal", 2, 2, 50, 0, 1e-306},
-        Setting{"depths1e12", 3, 3, 50, 0, 10, 60, 2, 1e-12},
-        Setting{"depthsEven", 3, 3, 50, 1e4, 10, 60, 2, 0.3},
-        Setting{"farInfinite", 3, 3, 50, 0, 10, 60, 2, -1e-3}, Setting{"grid8x8", 8, 8, 50, 0, 10},
-        Setting{"grid16x16", 16, 16, 50, 0, 10, 30, 1}, Setting{"grid64x64", 64, 64, 50, 0, 10, 6, 1}),
+    ::testing::Values(Setting{"one", 1, 1, 50, 0, 10}, Setting{"plain3x2", 3, 2, 50, 0, 10},
+                      Setting{"far1e4", 4, 4, 60, 1e4, 100}, Setting{"wide16x1", 16, 1, 120, 0, 10},
+                      Setting{"tall1x16", 1, 16, 170, 0, 10}, Setting{"row64x1", 64, 1, 50, 0, 10},
+                      Setting{"column1x64", 1, 64, 50, 0, 10}, Setting{"narrow0p01", 4, 4, 0.01, 0, 10},
+                      Setting{"narrowest", 3, 3, 0.001, 0, 10}, Setting{"widest", 3, 3, 179.9, 0, 10},
+                      Setting{"far1e6", 4, 4, 50, 1e6, 0.05}, Setting{"far1e7", 4, 4, 50, 1e7, 1},
+                      Setting{"far1e8", 4, 4, 50, 1e8, 1}, Setting{"far1e12", 3, 3, 50, 1e12, 100},
+                      Setting{"tiny", 3, 3, 50, 0, 1e-9}, Setting{"huge", 3, 3, 50, 0, 1e9},
+                      Setting{"hugeFar", 3, 3, 50, 1e12, 1e9}, Setting{"denormal", 2, 2, 50, 0, 1e-306},
+                      Setting{"depths1e12", 3, 3, 50, 0, 10, 60, 2, 1e-12},
+                      Setting{"depthsEven", 3, 3, 50, 1e4, 10, 60, 2, 0.3},
+                      Setting{"farInfinite", 3, 3, 50, 0, 10, 60, 2, -1e-3},
+                      Setting{"grid8x8", 8, 8, 50, 0, 10}, Setting{"grid16x16", 16, 16, 50, 0, 10, 30, 1},
+                      Setting{"grid64x64", 64, 64, 50, 0, 10, 6, 1}),
     [](const auto& setting) { return setting.param.name; });
 
 }  // namespace

@@ -122,9 +122,8 @@ TEST(Culler, TakesANodeWithAMillionChildren) {
   cull::Culler naive(oh, {.algorithm = Algorithm::Naive, .bounds = cull::BoundsKind::Aabb});
   const auto expected = naive.cull(frusta).lists;
   for (const cull::Switches& switches : {cull::Switches{}, cull::Switches{.regroup = true}}) {
-    cull::Culler adaptive(oh, {.algorithm = Algorithm::Adaptive,
-                               .bounds = cull::BoundsKind::Aabb,
-                               .switches = switches});
+    cull::Culler adaptive(
+        oh, {.algorithm = Algorithm::Adaptive, .bounds = cull::BoundsKind::Aabb, .switches = switches});
     const cull::Result& result = adaptive.cull(frusta);
     for (std::size_t tile = 0; tile < expected.size(); ++tile) {
       EXPECT_LE(leafCount(differenceOf(expected[tile], result.lists[tile])), 10U);

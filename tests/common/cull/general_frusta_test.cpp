@@ -1,5 +1,7 @@
 // Frusta that are no grid: gaps, overlaps, different sizes, several screens about the eye; and frusta in a
 // model's coordinates.
+#include "common/hierarchy/general_frusta.h"
+
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -9,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "common/geometry/projection.h"
-#include "common/hierarchy/general_frusta.h"
 #include "common/hierarchy/grid_frusta.h"
 #include "common/hierarchy/placed_frusta.h"
 #include "tests/support/cull_scene.h"
@@ -27,7 +28,8 @@ Frustum frustumOf(const Vec3& eye, const Screen& screen) {
   Frustum frustum;
   frustum.eye = eye;
   frustum.corners = {eye + turn * Vec3(screen.x0, screen.y0, -1), eye + turn * Vec3(screen.x1, screen.y0, -1),
-                     eye + turn * Vec3(screen.x1, screen.y1, -1), eye + turn * Vec3(screen.x0, screen.y1, -1)};
+                     eye + turn * Vec3(screen.x1, screen.y1, -1),
+                     eye + turn * Vec3(screen.x0, screen.y1, -1)};
   return frustum;
 }
 
@@ -127,7 +129,8 @@ TEST_P(GeneralFrustaContract, ListsHardlyMoreThanNaiveCulling) {
 INSTANTIATE_TEST_SUITE_P(
     Arrangements, GeneralFrustaContract,
     ::testing::Values(Arrangement{"single", {{0, -1, 1, -1, 1}}}, Arrangement{"gaps", grid(4, 3, 0.5, 0.4)},
-                      Arrangement{"overlaps", grid(4, 3, 0.5, 0.6)}, Arrangement{"filled", grid(4, 4, 0.25, 0.25)},
+                      Arrangement{"overlaps", grid(4, 3, 0.5, 0.6)},
+                      Arrangement{"filled", grid(4, 4, 0.25, 0.25)},
                       Arrangement{"sizes", {{0, -1, 0, -1, 1}, {0, 0, 0.3, 0, 1}, {0, 0.3, 1, -1, 0.2}}},
                       Arrangement{"same", {{0, -1, 1, -1, 1}, {0, -1, 1, -1, 1}, {0, -1, 1, -1, 1}}},
                       Arrangement{"nested", {{0, -1, 1, -1, 1}, {0, -0.1, 0.1, -0.1, 0.1}}},
@@ -206,11 +209,12 @@ TEST(PlacedFrusta, HoldTheContractForModelsPlacedAnyhow) {
   Geometry geometry(23);
   const auto placement = [&](int kind) {
     Mat4 matrix = Mat4::Identity();
-    Mat3 linear = Eigen::AngleAxisd(geometry.unit01() * 6, geometry.vector(1).normalized()).toRotationMatrix();
+    Mat3 linear =
+        Eigen::AngleAxisd(geometry.unit01() * 6, geometry.vector(1).normalized()).toRotationMatrix();
     if (kind == 1) linear *= 1e-6;
-    if (kind == 2) linear.col(0) *= -3;                 // mirrored, not uniform
+    if (kind == 2) linear.col(0) *= -3;                   // mirrored, not uniform
     if (kind == 3) linear.col(1) += 0.7 * linear.col(0);  // sheared
-    if (kind == 4) linear.col(2).setZero();             // flat
+    if (kind == 4) linear.col(2).setZero();               // flat
     if (kind == 5) linear *= 1e6;
     matrix.topLeftCorner<3, 3>() = linear;
     matrix.topRightCorner<3, 1>() = geometry.vector(kind == 5 ? 1e6 : 1);

@@ -25,8 +25,8 @@ class Switches : public ::testing::Test {
     oh = buildSpatialHierarchy(HierarchyKind::Bvh, bounds, triangles, 0).hierarchy;
   }
   [[nodiscard]] static WallView viewFrom(const Vec3& eye, const Vec3& target, int columns = 4, int rows = 4) {
-    return viewOf(gridWall(columns, rows, 50), {.eye = eye, .target = target, .up = Vec3(0, 1, 0), .fovYRad = {}},
-                  Vec3::Zero(), 20);
+    return viewOf(gridWall(columns, rows, 50),
+                  {.eye = eye, .target = target, .up = Vec3(0, 1, 0), .fovYRad = {}}, Vec3::Zero(), 20);
   }
   static GridFrusta frustaOf(const WallView& view, std::uint16_t columns = 4, std::uint16_t rows = 4) {
     GridFrusta frusta(columns, rows);
@@ -76,8 +76,8 @@ TEST_F(Switches, OctantTestSparesTestsAndChangesNoList) {
 TEST_F(Switches, MaskingThePlanesThatTheOctantTestLeftOutListsWhatNoTileSees) {
   const GridFrusta frusta = frustaOf(viewFrom({1, 2, 8}, {0, 0, 0}));
   const cull::Result right = cullWith(frusta, {.algorithm = Algorithm::Oh, .switches = {.octantTest = true}});
-  const cull::Result wrong = cullWith(
-      frusta, {.algorithm = Algorithm::Oh, .switches = {.octantTest = true, .octantPitfall = true}});
+  const cull::Result wrong =
+      cullWith(frusta, {.algorithm = Algorithm::Oh, .switches = {.octantTest = true, .octantPitfall = true}});
   std::uint64_t added = 0;
   for (std::size_t tile = 0; tile < right.lists.size(); ++tile) {
     EXPECT_TRUE(differenceOf(right.lists[tile], wrong.lists[tile]).empty());  // excess, never a drop
@@ -89,11 +89,10 @@ TEST_F(Switches, MaskingThePlanesThatTheOctantTestLeftOutListsWhatNoTileSees) {
 TEST_F(Switches, SignTableAgreesWithCentreAndExtents) {
   const GridFrusta frusta = frustaOf(viewFrom({1, 2, 8}, {0, 0, 0}));
   for (const Algorithm algorithm : {Algorithm::Naive, Algorithm::Oh, Algorithm::Fh, Algorithm::Adaptive}) {
-    EXPECT_EQ(
-        cullWith(frusta,
-                 {.algorithm = algorithm, .bounds = BoundsKind::Aabb, .switches = {.signTable = true}})
-            .lists,
-        cullWith(frusta, {.algorithm = algorithm, .bounds = BoundsKind::Aabb}).lists);
+    EXPECT_EQ(cullWith(frusta,
+                       {.algorithm = algorithm, .bounds = BoundsKind::Aabb, .switches = {.signTable = true}})
+                  .lists,
+              cullWith(frusta, {.algorithm = algorithm, .bounds = BoundsKind::Aabb}).lists);
   }
 }
 
@@ -148,7 +147,8 @@ TEST_F(Switches, FirstLevelSparesTheTilesWhatTheWallDoesNotSee) {
   const GridFrusta frusta = frustaOf(viewFrom({0, 0, 2}, {5, 0, 4}));
   for (const Algorithm algorithm : {Algorithm::Naive, Algorithm::Oh, Algorithm::Fh}) {
     const cull::Result with = cullWith(frusta, {.algorithm = algorithm});
-    const cull::Result without = cullWith(frusta, {.algorithm = algorithm, .switches = {.firstLevel = false}});
+    const cull::Result without =
+        cullWith(frusta, {.algorithm = algorithm, .switches = {.firstLevel = false}});
     EXPECT_LT(with.tests.classifications(), without.tests.classifications()) << cull::nameOf(algorithm);
     EXPECT_LE(with.pairs, without.pairs) << cull::nameOf(algorithm);
   }
