@@ -18,6 +18,7 @@ struct TestCounts {
   std::uint64_t groups = 0;        ///< pseudo-groups formed
 
   [[nodiscard]] std::uint64_t classifications() const { return sphere + aabb + obb; }
+  TestCounts& operator+=(const TestCounts& other);
 };
 
 struct Result {
@@ -25,5 +26,8 @@ struct Result {
   TestCounts tests;
   std::uint64_t pairs = 0;  ///< (leaf, tile) pairs listed
 };
+
+/// Of the lists' ranges, continuing from `seed`: equal lists of equal tiles have equal hashes on every machine.
+[[nodiscard]] std::uint64_t hashOf(const std::vector<VisibleList>& lists, std::uint64_t seed);
 
 }  // namespace tessera::cull

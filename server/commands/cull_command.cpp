@@ -7,6 +7,7 @@
 
 #include "common/base/file.h"
 #include "common/hierarchy/grid_frusta.h"
+#include "server/commands/audit.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
 #include "server/commands/visible_lists_file.h"
@@ -21,12 +22,38 @@ struct CullCommandFlags {
   CullFlags cull;
   std::uint64_t frames = 120;
   std::string lists, json;
-  bool untiled = false;
+  bool untiled = false, audit = false;
 };
 
 struct Measured {
   Samples frustaUs, cullUs, tests, pairs;
+  cull::TestCounts counts;  ///< of all frames together
+  std::uint64_t listHash = 0;
+  std::optional<Audit> audit;
+
+  void add(const cull::Result& result) {
+    tests.add(static_cast<double>(result.tests.classifications()));
+    pairs.add(static_cast<double>(result.pairs));
+    counts += result.tests;
+    listHash = cull::hashOf(result.lists, listHash);
+  }
 };
+
+nlohmann::ordered_json countsPerFrame(const cull::TestCounts& counts, std::uint64_t frames) {
+  const auto mean = [frames](std::uint64_t count) {
+    return static_cast<double>(count) / static_cast<double>(frames);
+  };
+  return {{"sphere", mean(counts.sphere)},
+          {"aabb", mean(counts.aabb)},
+          {"obb", mean(counts.obb)},
+          {"against_primary", mean(counts.primary)},
+          {"against_bisections", mean(counts.bisection)},
+          {"against_tiles", mean(counts.tile)},
+          {"node_visits", mean(counts.nodes)},
+          {"remembered", mean(counts.remembered)},
+          {"octant_spared", mean(counts.octantSpared)},
+          {"pseudo_groups", mean(counts.groups)}};
+}
 
 nlohmann::ordered_json spread(const Samples& samples) {
   return {{"p50", samples.percentile(50)}, {"p99", samples.percentile(99)}, {"max", samples.max()}};
@@ -34,20 +61,33 @@ nlohmann::ordered_json spread(const Samples& samples) {
 
 std::string reportOf(const CullCommandFlags& flags, const Scene& scene, const Wall& wall,
                      const Measured& measured) {
-  const nlohmann::ordered_json report = {{"format", "tessera-cull"},
+  nlohmann::ordered_json report = {{"format", "tessera-cull"},
                                          {"version", 1},
                                          {"scene", scene.source},
                                          {"wall", wall.source},
                                          {"tiles", wall.tiles.size()},
                                          {"leaves", scene.leaves.size()},
                                          {"nodes", scene.hierarchy.nodeCount()},
+                                         {"hierarchy", flags.files.hierarchy},
+                                         {"mtpl", flags.files.maxTrianglesPerLeaf},
                                          {"algorithm", flags.cull.algorithm},
                                          {"bounds", flags.cull.bounds},
+                                         {"switches", flags.cull.changedSwitches()},
                                          {"frames", flags.frames},
                                          {"frusta_us", spread(measured.frustaUs)},
                                          {"cull_us", spread(measured.cullUs)},
                                          {"tests_per_frame", spread(measured.tests)},
-                                         {"pairs_per_frame", spread(measured.pairs)}};
+                                         {"pairs_per_frame", spread(measured.pairs)},
+                                         {"tests_by_kind", countsPerFrame(measured.counts, flags.frames)},
+                                         {"lists_hash", measured.listHash}};
+  if (measured.audit) {
+    const Audit& audit = *measured.audit;
+    report["audit"] = {{"pairs", audit.pairs()},
+                       {"exact_pairs", audit.exactPairs()},
+                       {"excess_percent", audit.excessPercent()},
+                       {"drops", audit.drops()},
+                       {"exact_decisions", audit.exactDecisions()}};
+  }
   return report.dump(1) + "\n";
 }
 
@@ -74,6 +114,7 @@ Status cullScene(const CullCommandFlags& flags) {
   GridFrusta frusta(static_cast<std::uint16_t>(wall->columns), static_cast<std::uint16_t>(wall->rows));
   cull::Culler culler(scene->hierarchy, *options);
   Measured measured;
+  if (flags.audit) measured.audit.emplace(*scene);
   const Sphere& sphere = scene->sphere();
   std::uint64_t frame = 0;
   for (const double time : camera->sampleTimes(flags.frames)) {
@@ -85,19 +126,32 @@ Status cullScene(const CullCommandFlags& flags) {
     start = std::chrono::steady_clock::now();
     const cull::Result& result = culler.cull(frusta);
     measured.cullUs.add(usSince(start));
-    measured.tests.add(static_cast<double>(result.tests.classifications()));
-    measured.pairs.add(static_cast<double>(result.pairs));
-    if (lists) lists->add(frame++, view, result);
+    measured.add(result);
+    if (lists) lists->add(frame, view, result);
+    if (measured.audit) {
+      if (Status status = measured.audit->add(frame, view, result); !status) return status;
+    }
+    ++frame;
   }
   if (lists) {
     if (Status status = lists->finish(); !status) return status;
   }
-  std::printf("%llu frames, %s with %s: %.1f us a frame (median), %.0f plane tests, %.0f leaf-tile pairs\n",
-              static_cast<unsigned long long>(flags.frames), flags.cull.algorithm.c_str(),
-              flags.cull.bounds.c_str(), measured.cullUs.percentile(50), measured.tests.percentile(50),
+  std::printf("%llu frames, %s: %.1f us a frame (median), %.0f plane tests, %.0f leaf-tile pairs\n",
+              static_cast<unsigned long long>(flags.frames), flags.cull.text().c_str(), measured.cullUs.percentile(50), measured.tests.percentile(50),
               measured.pairs.percentile(50));
-  if (flags.json.empty()) return Done{};
-  return writeFileAtomically(flags.json, reportOf(flags, *scene, *wall, measured));
+  if (!flags.json.empty()) {
+    Status status = writeFileAtomically(flags.json, reportOf(flags, *scene, *wall, measured));
+    if (!status) return status;
+  }
+  if (!measured.audit) return Done{};
+  const Audit& audit = *measured.audit;
+  std::printf("audit: %llu pairs listed, %llu of them exact, excess %.2f %%, %llu dropped\n",
+              static_cast<unsigned long long>(audit.pairs()),
+              static_cast<unsigned long long>(audit.exactPairs()), audit.excessPercent(),
+              static_cast<unsigned long long>(audit.drops()));
+  if (audit.drops() == 0) return Done{};
+  return runtimeError(flags.files.scene, "a leaf that meets a tile is missing from its list: " + audit.firstDrop(),
+                      "this is a bug: please report it with the scene, wall and camera");
 }
 
 }  // namespace
@@ -117,6 +171,8 @@ void addCullCommand(CLI::App& tessera, std::vector<Command>& commands) {
   app->add_option("--lists", flags->lists,
                   "Write every tile's frustum and visible list of every frame, as JSON Lines");
   app->add_option("--json", flags->json, "Write the counts and times to this file");
+  app->add_flag("--audit", flags->audit,
+                "Judge every list against the scene's triangles in exact arithmetic (slow)");
   app->add_flag("--untiled", flags->untiled, "The whole wall as one tile");
   commands.push_back({app, [flags] { return cullScene(*flags); }});
 }

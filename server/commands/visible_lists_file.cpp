@@ -1,5 +1,6 @@
 #include "server/commands/visible_lists_file.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include <nlohmann/json.hpp>
@@ -55,9 +56,18 @@ Status VisibleListsFile::open(const std::filesystem::path& path, const Scene& sc
     names.push_back(tile.name);
     quotedNames_.push_back(nlohmann::json(tile.name).dump());
   }
+  graphLeaves_.clear();
+  for (std::uint32_t leaf = 0; leaf < scene.leaves.size(); ++leaf) {
+    if (scene.leaves[leaf].graphLeaf == leaf && graphLeaves_.empty()) continue;
+    if (graphLeaves_.empty()) {
+      for (std::uint32_t same = 0; same < leaf; ++same)
+        graphLeaves_.push_back(same);
+    }
+    graphLeaves_.push_back(scene.leaves[leaf].graphLeaf);
+  }
   const nlohmann::ordered_json header = {{"format", "tessera-lists"},     {"version", 1},
                                          {"scene", scene.source},         {"wall", wall.source},
-                                         {"leaves", scene.leaves.size()}, {"tiles", names}};
+                                         {"leaves", scene.graphLeafCount}, {"tiles", names}};
   out_ << header.dump() << '\n';
   return Done{};
 }
@@ -69,8 +79,9 @@ void VisibleListsFile::add(std::uint64_t frame, const WallView& view, const cull
     line_ += quotedNames_[tile] + ":{";
     appendFrustum(line_, view.tiles[tile]);
     line_ += ",\"visible\":[";
-    for (std::size_t i = 0; i < lists.lists[tile].size(); ++i) {
-      const LeafRange range = lists.lists[tile][i];
+    const VisibleList& list = inGraphOrder(lists.lists[tile]);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const LeafRange range = list[i];
       if (i > 0) line_ += ',';
       line_ += "[" + std::to_string(range.first) + "," + std::to_string(range.last) + "]";
     }
@@ -78,6 +89,20 @@ void VisibleListsFile::add(std::uint64_t frame, const WallView& view, const cull
   }
   line_ += "}}\n";
   out_ << line_;
+}
+
+/// The list in the ids of the scene's graph, whatever hierarchy was culled: a leaf is listed if any part of it
+/// is.
+const VisibleList& VisibleListsFile::inGraphOrder(const VisibleList& list) {
+  if (graphLeaves_.empty()) return list;
+  graphIds_.clear();
+  forEachLeaf(list, [this](std::uint32_t leaf) { graphIds_.push_back(graphLeaves_[leaf]); });
+  std::sort(graphIds_.begin(), graphIds_.end());
+  graphIds_.erase(std::unique(graphIds_.begin(), graphIds_.end()), graphIds_.end());
+  graphList_.clear();
+  for (const std::uint32_t id : graphIds_)
+    appendRange(graphList_, {id, id + 1});
+  return graphList_;
 }
 
 Status VisibleListsFile::finish() {

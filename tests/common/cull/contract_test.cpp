@@ -151,7 +151,7 @@ TEST_P(CullerContract, HoldsAlongAFlightWithWhatIsRemembered) {
       remembered += result.tests.remembered;
     }
   }
-  if (s.offset < 1e7) {
+  if (s.offset < 1e7 && s.size > 1e-300) {  // else rounding is as large as the scene
     EXPECT_GT(remembered, 0U);
   }
 }
