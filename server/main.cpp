@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   tessera::addServeCommand(app, commands);
   tessera::addCheckCommand(app, commands);
   tessera::addCullCommand(app, commands);
+  tessera::addBenchCommands(app, commands);
   tessera::addSceneCommands(app, commands);
   try {
     app.parse(argc, argv);

@@ -27,7 +27,8 @@ struct Result {
   std::uint64_t pairs = 0;  ///< (leaf, tile) pairs listed
 };
 
-/// Of the lists' ranges, continuing from `seed`: equal lists of equal tiles have equal hashes on every machine.
+/// Of the lists' ranges, continuing from `seed`: equal lists of equal tiles have equal hashes on every
+/// machine.
 [[nodiscard]] std::uint64_t hashOf(const std::vector<VisibleList>& lists, std::uint64_t seed);
 
 }  // namespace tessera::cull

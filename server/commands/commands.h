@@ -19,6 +19,7 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addServeCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addCheckCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addCullCommand(CLI::App& tessera, std::vector<Command>& commands);
+void addBenchCommands(CLI::App& tessera, std::vector<Command>& commands);
 void addSceneCommands(CLI::App& tessera, std::vector<Command>& commands);
 
 }  // namespace tessera

@@ -7,7 +7,7 @@
 
 #include "common/base/file.h"
 #include "common/hierarchy/grid_frusta.h"
-#include "server/commands/audit.h"
+#include "server/bench/audit.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
 #include "server/commands/visible_lists_file.h"
@@ -62,24 +62,24 @@ nlohmann::ordered_json spread(const Samples& samples) {
 std::string reportOf(const CullCommandFlags& flags, const Scene& scene, const Wall& wall,
                      const Measured& measured) {
   nlohmann::ordered_json report = {{"format", "tessera-cull"},
-                                         {"version", 1},
-                                         {"scene", scene.source},
-                                         {"wall", wall.source},
-                                         {"tiles", wall.tiles.size()},
-                                         {"leaves", scene.leaves.size()},
-                                         {"nodes", scene.hierarchy.nodeCount()},
-                                         {"hierarchy", flags.files.hierarchy},
-                                         {"mtpl", flags.files.maxTrianglesPerLeaf},
-                                         {"algorithm", flags.cull.algorithm},
-                                         {"bounds", flags.cull.bounds},
-                                         {"switches", flags.cull.changedSwitches()},
-                                         {"frames", flags.frames},
-                                         {"frusta_us", spread(measured.frustaUs)},
-                                         {"cull_us", spread(measured.cullUs)},
-                                         {"tests_per_frame", spread(measured.tests)},
-                                         {"pairs_per_frame", spread(measured.pairs)},
-                                         {"tests_by_kind", countsPerFrame(measured.counts, flags.frames)},
-                                         {"lists_hash", measured.listHash}};
+                                   {"version", 1},
+                                   {"scene", scene.source},
+                                   {"wall", wall.source},
+                                   {"tiles", wall.tiles.size()},
+                                   {"leaves", scene.leaves.size()},
+                                   {"nodes", scene.hierarchy.nodeCount()},
+                                   {"hierarchy", flags.files.hierarchy},
+                                   {"mtpl", flags.files.maxTrianglesPerLeaf},
+                                   {"algorithm", flags.cull.algorithm},
+                                   {"bounds", flags.cull.bounds},
+                                   {"switches", flags.cull.changedSwitches()},
+                                   {"frames", flags.frames},
+                                   {"frusta_us", spread(measured.frustaUs)},
+                                   {"cull_us", spread(measured.cullUs)},
+                                   {"tests_per_frame", spread(measured.tests)},
+                                   {"pairs_per_frame", spread(measured.pairs)},
+                                   {"tests_by_kind", countsPerFrame(measured.counts, flags.frames)},
+                                   {"lists_hash", measured.listHash}};
   if (measured.audit) {
     const Audit& audit = *measured.audit;
     report["audit"] = {{"pairs", audit.pairs()},
@@ -137,8 +137,8 @@ Status cullScene(const CullCommandFlags& flags) {
     if (Status status = lists->finish(); !status) return status;
   }
   std::printf("%llu frames, %s: %.1f us a frame (median), %.0f plane tests, %.0f leaf-tile pairs\n",
-              static_cast<unsigned long long>(flags.frames), flags.cull.text().c_str(), measured.cullUs.percentile(50), measured.tests.percentile(50),
-              measured.pairs.percentile(50));
+              static_cast<unsigned long long>(flags.frames), flags.cull.text().c_str(),
+              measured.cullUs.percentile(50), measured.tests.percentile(50), measured.pairs.percentile(50));
   if (!flags.json.empty()) {
     Status status = writeFileAtomically(flags.json, reportOf(flags, *scene, *wall, measured));
     if (!status) return status;
@@ -150,7 +150,8 @@ Status cullScene(const CullCommandFlags& flags) {
               static_cast<unsigned long long>(audit.exactPairs()), audit.excessPercent(),
               static_cast<unsigned long long>(audit.drops()));
   if (audit.drops() == 0) return Done{};
-  return runtimeError(flags.files.scene, "a leaf that meets a tile is missing from its list: " + audit.firstDrop(),
+  return runtimeError(flags.files.scene,
+                      "a leaf that meets a tile is missing from its list: " + audit.firstDrop(),
                       "this is a bug: please report it with the scene, wall and camera");
 }
 

@@ -65,8 +65,8 @@ Status VisibleListsFile::open(const std::filesystem::path& path, const Scene& sc
     }
     graphLeaves_.push_back(scene.leaves[leaf].graphLeaf);
   }
-  const nlohmann::ordered_json header = {{"format", "tessera-lists"},     {"version", 1},
-                                         {"scene", scene.source},         {"wall", wall.source},
+  const nlohmann::ordered_json header = {{"format", "tessera-lists"},      {"version", 1},
+                                         {"scene", scene.source},          {"wall", wall.source},
                                          {"leaves", scene.graphLeafCount}, {"tiles", names}};
   out_ << header.dump() << '\n';
   return Done{};
@@ -91,8 +91,8 @@ void VisibleListsFile::add(std::uint64_t frame, const WallView& view, const cull
   out_ << line_;
 }
 
-/// The list in the ids of the scene's graph, whatever hierarchy was culled: a leaf is listed if any part of it
-/// is.
+/// The list in the ids of the scene's graph, whatever hierarchy was culled: a leaf is listed if any part of
+/// it is.
 const VisibleList& VisibleListsFile::inGraphOrder(const VisibleList& list) {
   if (graphLeaves_.empty()) return list;
   graphIds_.clear();

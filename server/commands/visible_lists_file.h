@@ -14,7 +14,8 @@
 namespace tessera {
 
 /// Writes visible lists as JSON Lines ("tessera-lists", version 1): a header, then a line a frame with every
-/// tile's frustum, whose doubles read back exactly, and its ranges, in leaf ids of the scene's graph. The file appears whole or not at all.
+/// tile's frustum, whose doubles read back exactly, and its ranges, in leaf ids of the scene's graph. The
+/// file appears whole or not at all.
 class VisibleListsFile {
  public:
   [[nodiscard]] Status open(const std::filesystem::path& path, const Scene& scene, const Wall& wall);

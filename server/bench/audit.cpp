@@ -1,4 +1,4 @@
-#include "server/commands/audit.h"
+#include "server/bench/audit.h"
 
 #include <algorithm>
 #include <span>
