@@ -21,7 +21,7 @@ struct RunFlags {
   InputFiles files;
   CullFlags cull;
   std::uint64_t frames = 120, pictureEvery = 1;
-  std::string out, surface = "offscreen", json;
+  std::string out, surface = "offscreen", json, frameLog;
   double framesPerSecond = 0, frameDeadlineS = 10, tilesDeadlineS = 30;
   bool untiled = false, noPictures = false;
 };
@@ -61,6 +61,9 @@ Status writeReport(const RunFlags& flags, const RunReport& report) {
   const std::string json = report.json();
   if (!flags.json.empty()) {
     if (Status status = writeFileAtomically(flags.json, json); !status) return status;
+  }
+  if (!flags.frameLog.empty()) {
+    if (Status status = writeFileAtomically(flags.frameLog, report.frameLog()); !status) return status;
   }
   if (flags.out.empty()) return Done{};
   const std::filesystem::path folder = flags.out;
@@ -146,6 +149,8 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000}));
   app->add_flag("--no-pictures", flags->noPictures, "Write the report alone");
   app->add_option("--json", flags->json, "Write the report to this file");
+  app->add_option("--frame-log", flags->frameLog,
+                  "Write every frame's time, pairs and triangles to this file, as JSON Lines");
   app->add_option("--surface", flags->surface, "Where tiles draw: offscreen, or none (all but the drawing)")
       ->capture_default_str()
       ->check(CLI::IsMember({"offscreen", "none"}));

@@ -40,6 +40,10 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
                .pictures = pictures_.get(),
                .deadlines = {},
                .handshakes = 0} {
+  trianglesBefore_.reserve(scene.leaves.size() + 1);
+  trianglesBefore_.push_back(0);
+  for (const SceneLeaf& leaf : scene.leaves)
+    trianglesBefore_.push_back(trianglesBefore_.back() + leaf.triangles);
   mirrors_.reserve(wall.tiles.size());
   for (std::size_t i = 0; i < wall.tiles.size(); ++i)
     mirrors_.emplace_back(scene);
@@ -116,7 +120,7 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
   GridFrusta frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows));
   cull::Culler culler(scene_.hierarchy, options_.cull);
   const Sphere& sphere = scene_.sphere();
-  firstFrame_ = lastPaced_ = Clock::now();
+  firstFrame_ = lastPaced_ = lastSwap_ = Clock::now();
   std::uint64_t frame = 0;
   for (std::uint64_t next = 1; (options_.frames == 0 || next <= options_.frames) && !roster_.stopping();
        ++next) {
@@ -193,6 +197,12 @@ void Master::sendFrame(std::uint64_t frame, const WallView& view, const cull::Re
   report_.listBytesPerFrame.add(static_cast<double>(listBytes));
   report_.geometryBytesPerFrame.add(static_cast<double>(geometryBytes));
   report_.visibleLeavesPerFrame.add(static_cast<double>(lists.pairs));
+  std::uint64_t triangles = 0;
+  for (const VisibleList& list : lists.lists) {
+    for (const LeafRange range : list)
+      triangles += trianglesBefore_[range.last] - trianglesBefore_[range.first];
+  }
+  report_.trianglesPerFrame.add(static_cast<double>(triangles));
 }
 
 void Master::endFrame(std::uint64_t frame) {
@@ -208,6 +218,8 @@ void Master::endFrame(std::uint64_t frame) {
   const auto swapStart = Clock::now();
   broadcastSwap(frame);
   report_.swapMs.add(msSince(swapStart));
+  report_.frameMs.add(msSince(lastSwap_));
+  lastSwap_ = Clock::now();
   // All that acknowledged this frame had shown the one before.
   if (pictures_ && frame > 1) pictures_->complete(frame - 1);
 }

@@ -91,7 +91,8 @@ class Master {
   SessionContext context_;
   std::vector<TileMirror> mirrors_;
   RunReport report_;
-  std::chrono::steady_clock::time_point firstFrame_, lastPaced_;
+  std::vector<std::uint64_t> trianglesBefore_;  ///< by leaf; one more than leaves
+  std::chrono::steady_clock::time_point firstFrame_, lastPaced_, lastSwap_;
   std::thread network_;
 };
 

@@ -84,6 +84,19 @@ std::string RunReport::json() const {
   return report.dump(1) + "\n";
 }
 
+std::string RunReport::frameLog() const {
+  std::string log;
+  for (std::size_t i = 0; i < frameMs.values.size(); ++i) {
+    log += Json{{"frame", i + 1},
+                {"ms", frameMs.values[i]},
+                {"pairs", visibleLeavesPerFrame.values[i]},
+                {"triangles", trianglesPerFrame.values[i]}}
+               .dump() +
+           "\n";
+  }
+  return log;
+}
+
 void addSwapSkew(RunReport& report, const std::vector<std::vector<ShownTime>>& shownByTile) {
   struct Span {
     std::int64_t first, last;

@@ -25,6 +25,8 @@ struct RunReport {
   double seconds = 0;  ///< from the first frame to the last
   Samples updateMs, cullMs, encodeMs, sendMs, tileWaitMs, swapMs;
   Samples listBytesPerFrame, geometryBytesPerFrame, visibleLeavesPerFrame;
+  Samples frameMs;            ///< from one swap to the next; of the first frame: from its start
+  Samples trianglesPerFrame;  ///< of all tiles' lists
   double firstFrameMs =
       0;  ///< from the first frame's start until all tiles were ready: all geometry is sent then
   struct TileEntry {
@@ -39,6 +41,8 @@ struct RunReport {
   std::uint64_t pictures = 0, incompletePictures = 0;
 
   [[nodiscard]] std::string json() const;
+  /// One line for each frame: {"frame", "ms", "pairs", "triangles"}.
+  [[nodiscard]] std::string frameLog() const;
 };
 
 /// Adds the spread of the times at which tiles presented each frame, over frames that at least two tiles with

@@ -47,6 +47,7 @@ void unfoldRegrouped(const Context& context, const Nodes& nodes, std::uint32_t a
     work.tasks.push_back({.node = *node, .frustum = at, .mask = mask, .isCut = true});
 }
 
+/// The same for the children of a node; of too few to make a group none is looked at here.
 template <class View>
 void unfoldRegrouped(const Context& context, const Task& task, std::uint32_t mask) {
   std::vector<std::uint32_t>& children = context.work.children;
@@ -54,7 +55,11 @@ void unfoldRegrouped(const Context& context, const Task& task, std::uint32_t mas
   const std::uint32_t end = context.oh.subtreeEnd(task.node);
   for (std::uint32_t child = task.node + 1; child != end; child = context.oh.subtreeEnd(child))
     children.push_back(child);
-  unfoldRegrouped<View>(context, children, task.frustum, mask);
+  if (children.size() < context.switches().regroupFrom) {
+    context.pushChildren(task, mask);
+  } else {
+    unfoldRegrouped<View>(context, children, task.frustum, mask);
+  }
 }
 
 /// Tests a group's box against what is left of the primary frustum. False: outside.
