@@ -18,8 +18,8 @@ struct CullTableOptions {
 };
 
 /// Every algorithm, bound and hierarchy interleaved along one walk of one wall: times, ratios to adaptive
-/// culling with OBBs on the scene's own hierarchy, tests, pairs, and excess over the pairs of which a triangle
-/// meets the tile. Fails where the audit finds a drop.
+/// culling with OBBs on the scene's own hierarchy, tests, pairs, and excess over the pairs of which a
+/// triangle meets the tile. Fails where the audit finds a drop.
 [[nodiscard]] Result<Json> cullTable(const Scene& scene, const Wall& wall, const CameraPath& path,
                                      const CullTableOptions& options);
 

@@ -50,7 +50,8 @@ Result<Json> dynamicFigure(PaperScenes& scenes) {
   if (!plant) return plant.error();
   const Scene& scene = **plant;
   const Wall wall = gridWall(4, 4);
-  Json figure = {{"figure", "dynamic"}, {"scene", "power plant"}, {"wall", wall.source}, {"points", Json::array()}};
+  Json figure = {
+      {"figure", "dynamic"}, {"scene", "power plant"}, {"wall", wall.source}, {"points", Json::array()}};
   const auto leafCount = static_cast<std::uint32_t>(scene.leaves.size());
   for (std::uint32_t percent = 0; percent <= 100; percent += 10) {
     std::list<MovingScene> ways;
@@ -91,7 +92,8 @@ Result<Json> dynamicFigure(PaperScenes& scenes) {
 
 namespace {
 
-/// `count` boxes on a square of streets, under nodes of the same number of children each, neighbours together.
+/// `count` boxes on a square of streets, under nodes of the same number of children each, neighbours
+/// together.
 ObjectHierarchy uniformHierarchy(std::uint32_t side, std::uint32_t branching) {
   ObjectHierarchyBuilder builder;
   const auto leaf = [&](std::uint32_t index) {  // along a Morton curve: any run of it is compact
@@ -125,7 +127,9 @@ ObjectHierarchy uniformHierarchy(std::uint32_t side, std::uint32_t branching) {
     stack.push_back({0, 0, true});
     const std::uint32_t parts = std::min(branching, count);
     for (std::uint32_t part = parts; part-- > 0;) {
-      const auto at = [&](std::uint64_t p) { return range.first + static_cast<std::uint32_t>(p * count / parts); };
+      const auto at = [&](std::uint64_t p) {
+        return range.first + static_cast<std::uint32_t>(p * count / parts);
+      };
       stack.push_back({at(part), at(part + 1)});
     }
   }
@@ -141,10 +145,11 @@ Result<Json> regroupFigure(PaperScenes& scenes) {
     const Wall wall = gridWall(size, size);
     for (const std::uint32_t branching : {2u, 4u, 8u, 16u, 32u, 64u, 128u, 256u, 1024u, 16384u}) {
       const ObjectHierarchy oh = uniformHierarchy(kSide, branching);
-      InterleavedCull interleaved({{"adaptive", &oh, {}},
-                                   {"regroup from 2", &oh, {.switches = {.regroup = true, .regroupFrom = 2}}},
-                                   {"regroup from 8", &oh, {.switches = {.regroup = true, .regroupFrom = 8}}},
-                                   {"regroup from 32", &oh, {.switches = {.regroup = true, .regroupFrom = 32}}}});
+      InterleavedCull interleaved(
+          {{"adaptive", &oh, {}},
+           {"regroup from 2", &oh, {.switches = {.regroup = true, .regroupFrom = 2}}},
+           {"regroup from 8", &oh, {.switches = {.regroup = true, .regroupFrom = 8}}},
+           {"regroup from 32", &oh, {.switches = {.regroup = true, .regroupFrom = 32}}}});
       const Walk walk(wall, flyPath(), oh.sphere(0), scenes.frames(200));
       GridFrusta frusta(static_cast<std::uint16_t>(size), static_cast<std::uint16_t>(size));
       for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
@@ -235,7 +240,8 @@ Result<Json> boundFigure(PaperScenes& scenes) {
       {"figure", "bound"},
       {"scene", "power plant"},
       {"kernels",
-       {boundCost<RelativeSphere>("sphere", oh, walk, [&](std::uint32_t n) -> const Sphere& { return oh.sphere(n); }),
+       {boundCost<RelativeSphere>("sphere", oh, walk,
+                                  [&](std::uint32_t n) -> const Sphere& { return oh.sphere(n); }),
         boundCost<RelativeAabb>("aabb", oh, walk, [&](std::uint32_t n) -> const Aabb& { return oh.aabb(n); }),
         boundCost<RelativeObb>("obb", oh, walk, [&](std::uint32_t n) -> const Obb& { return oh.obb(n); })}}};
 }

@@ -43,11 +43,12 @@ Result<Json> methodsFigure(PaperScenes& scenes) {
   const auto palace = scenes.fatehpur();
   if (!palace) return palace.error();
   const Wall wall = gridWall(4, 4);
-  Json figure = {{"figure", "methods"}, {"wall", wall.source}, {"window_frames", 20}, {"scenes", Json::array()}};
+  Json figure = {
+      {"figure", "methods"}, {"wall", wall.source}, {"window_frames", 20}, {"scenes", Json::array()}};
   for (const Scene* scene : {*palace, *plant}) {
     std::vector<InterleavedCull::Candidate> candidates;
-    for (const Algorithm algorithm : {Algorithm::Adaptive, Algorithm::Naive, Algorithm::Oh, Algorithm::Fh,
-                                      Algorithm::AdaptiveListing}) {
+    for (const Algorithm algorithm :
+         {Algorithm::Adaptive, Algorithm::Naive, Algorithm::Oh, Algorithm::Fh, Algorithm::AdaptiveListing}) {
       candidates.push_back(
           {std::string(cull::nameOf(algorithm)), &scene->hierarchy, {.algorithm = algorithm}});
     }
@@ -112,7 +113,8 @@ Result<Json> mtplFigure(PaperScenes& scenes) {
       trianglesBefore.push_back(trianglesBefore.back() + leaf.triangles);
     const Walk walk(wall, divePath(), scene->sphere(), scenes.frames(1000));
     GridFrusta frusta = frustaFor(wall);
-    InterleavedCull interleaved({{"oh", &scene->hierarchy, {.algorithm = Algorithm::Oh, .bounds = BoundsKind::Aabb}}});
+    InterleavedCull interleaved(
+        {{"oh", &scene->hierarchy, {.algorithm = Algorithm::Oh, .bounds = BoundsKind::Aabb}}});
     Samples triangles;
     for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
       const WallView view = walk.view(frame);

@@ -22,7 +22,7 @@ class InterleavedCull {
   };
   struct Measured {
     std::string name;
-    Samples us;         ///< one for each frame, in order
+    Samples us;  ///< one for each frame, in order
     Samples classifications, pairs;
     cull::TestCounts counts;
     std::uint64_t listHash = 0;

@@ -38,7 +38,8 @@ Status benchPapers(const PapersFlags& flags) {
   if (ec) return inputError(flags.out, "cannot be made: " + ec.message(), "choose another --out");
   bench::PaperScenes scenes(folder, flags.frameScale);
   for (const Figure& figure : kFigures) {
-    if (!flags.only.empty() && std::find(flags.only.begin(), flags.only.end(), figure.name) == flags.only.end())
+    if (!flags.only.empty() &&
+        std::find(flags.only.begin(), flags.only.end(), figure.name) == flags.only.end())
       continue;
     const auto json = figure.make(scenes);
     if (!json) return json.error();
@@ -82,7 +83,8 @@ void addBenchCommands(CLI::App& tessera, std::vector<Command>& commands) {
       tessera.add_subcommand("bench", "Measurements; each compares its candidates interleaved in one run");
   bench->require_subcommand(1);
 
-  CLI::App* papers = bench->add_subcommand("papers", "The figures of the papers, with our scenes and machine");
+  CLI::App* papers =
+      bench->add_subcommand("papers", "The figures of the papers, with our scenes and machine");
   auto papersFlags = std::make_shared<PapersFlags>();
   papers->add_option("--out", papersFlags->out, "Folder for a JSON file for each figure; made where missing")
       ->required();
@@ -92,7 +94,9 @@ void addBenchCommands(CLI::App& tessera, std::vector<Command>& commands) {
   papers->add_option("--only", papersFlags->only, "These figures alone")
       ->delimiter(',')
       ->check(CLI::IsMember(names));
-  papers->add_option("--frame-scale", papersFlags->frameScale, "Shortens the walks to this share of their frames")
+  papers
+      ->add_option("--frame-scale", papersFlags->frameScale,
+                   "Shortens the walks to this share of their frames")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 1.0));
   commands.push_back({papers, [papersFlags] { return benchPapers(*papersFlags); }});
