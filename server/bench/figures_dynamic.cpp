@@ -138,6 +138,51 @@ ObjectHierarchy uniformHierarchy(std::uint32_t side, std::uint32_t branching) {
 
 }  // namespace
 
+Result<Json> millionFigure(PaperScenes& scenes) {
+  constexpr std::uint32_t kSide = 1024, kBranching = 8, kOneIn = 100;
+  const ObjectHierarchy scene = uniformHierarchy(kSide, kBranching);
+  const Wall wall = gridWall(4, 4);
+  const Walk walk(wall, flyPath(), scene.sphere(0), scenes.frames(30));
+  Json figure = {{"figure", "million"},
+                 {"leaves", scene.leafCount()},
+                 {"moving_leaves", scene.leafCount() / kOneIn},
+                 {"camera_step", stepOf(walk)},
+                 {"points", Json::array()}};
+  for (const bool areNeighbours : {true, false}) {
+    std::list<MovingScene> ways;
+    ways.emplace_back("obb", scene, BoxFit::Pca, cull::BoundsKind::Obb);
+    ways.emplace_back("hybrid", scene, BoxFit::AxisAligned, cull::BoundsKind::Hybrid);
+    Json point = {{"movers", areNeighbours ? "neighbours" : "scattered"}};
+    GridFrusta frusta(4, 4);
+    for (MovingScene& way : ways) {
+      Samples moveUs, refitUs;
+      for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
+        auto start = Clock::now();
+        for (std::uint32_t i = 0; i < scene.leafCount() / kOneIn; ++i) {
+          const std::uint32_t leaf = areNeighbours ? i : i * kOneIn;
+          const Vec3 about = scene.aabb(scene.nodeOfLeaf(leaf)).center();
+          static_cast<void>(way.refit.move(leaf, swing(about, 10, leaf, frame)));
+        }
+        moveUs.add(usSince(start));
+        start = Clock::now();
+        static_cast<void>(way.refit.refit());
+        refitUs.add(usSince(start));
+        const WallView view = walk.view(frame);
+        frusta.update(view.wall, view.tiles);
+        start = Clock::now();
+        way.pairs.add(static_cast<double>(way.culler.cull(frusta).pairs));
+        way.cullUs.add(usSince(start));
+      }
+      point[way.name] = {{"move_us", spreadOf(moveUs)},
+                         {"refit_us", spreadOf(refitUs)},
+                         {"cull_us", spreadOf(way.cullUs)},
+                         {"pairs_per_frame", way.pairs.percentile(50)}};
+    }
+    figure["points"].push_back(std::move(point));
+  }
+  return figure;
+}
+
 Result<Json> regroupFigure(PaperScenes& scenes) {
   constexpr std::uint32_t kSide = 128;
   Json figure = {{"figure", "regroup"}, {"leaves", kSide * kSide}, {"points", Json::array()}};

@@ -49,6 +49,8 @@ class PaperScenes {
 [[nodiscard]] Result<Json> tilesFigure(PaperScenes& scenes);
 /// N, figure 6: update and culling time by the share of moving objects, with OBBs, AABBs and both.
 [[nodiscard]] Result<Json> dynamicFigure(PaperScenes& scenes);
+/// A million leaves of which one in a hundred moves: moving, refitting and culling.
+[[nodiscard]] Result<Json> millionFigure(PaperScenes& scenes);
 /// N, section 4.2: what regrouping costs or saves, by the branching of the hierarchy.
 [[nodiscard]] Result<Json> regroupFigure(PaperScenes& scenes);
 /// K, figure 1: culling and what is left to draw, by the most triangles of a leaf.

@@ -25,10 +25,15 @@ struct Figure {
 };
 
 constexpr std::array kFigures = {
-    Figure{"methods", bench::methodsFigure}, Figure{"tiles", bench::tilesFigure},
-    Figure{"dynamic", bench::dynamicFigure}, Figure{"regroup", bench::regroupFigure},
-    Figure{"mtpl", bench::mtplFigure},       Figure{"optimizations", bench::optimizationsFigure},
-    Figure{"excess", bench::excessFigure},   Figure{"bound", bench::boundFigure},
+    Figure{"methods", bench::methodsFigure},
+    Figure{"tiles", bench::tilesFigure},
+    Figure{"dynamic", bench::dynamicFigure},
+    Figure{"million", bench::millionFigure},
+    Figure{"regroup", bench::regroupFigure},
+    Figure{"mtpl", bench::mtplFigure},
+    Figure{"optimizations", bench::optimizationsFigure},
+    Figure{"excess", bench::excessFigure},
+    Figure{"bound", bench::boundFigure},
 };
 
 Status benchPapers(const PapersFlags& flags) {

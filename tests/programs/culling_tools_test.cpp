@@ -1,5 +1,5 @@
-// tessera cull and tessera bench: every algorithm, bound, hierarchy and switch from the command line, judged by
-// the audit; lists in one id space; the papers' figures.
+// tessera cull and tessera bench: every algorithm, bound, hierarchy and switch from the command line, judged
+// by the audit; lists in one id space; the papers' figures.
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -30,9 +30,9 @@ class CullingTools : public ::testing::Test {
     ASSERT_EQ(made.status, 0) << made.err;
   }
   Outcome cull(std::vector<std::string> more) {
-    std::vector<std::string> command = {program("tessera"), "cull",     "--wall",
-                                        config("wall-4x4.json"), "--scene", scene_,
-                                        "--camera", config("fly.camera.json"), "--frames", "3"};
+    std::vector<std::string> command = {program("tessera"), "cull", "--wall",   config("wall-4x4.json"),
+                                        "--scene",          scene_, "--camera", config("fly.camera.json"),
+                                        "--frames",         "3"};
     command.insert(command.end(), more.begin(), more.end());
     return run(command, seconds(60));
   }
@@ -106,9 +106,12 @@ TEST_F(CullingTools, ListsAreInTheIdsOfTheGraphOnEveryHierarchy) {
 }
 
 TEST_F(CullingTools, RefusesWhatDoesNotGoTogether) {
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"--sign-table"}, {"--algorithm", "fast"}, {"--bounds", "convex"},
-        {"--hierarchy", "heap"}, {"--algorithm", "oh", "--regroup"}, {"--bounds", "sphere", "--sphere-first"}}) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"--sign-table"},
+                                                {"--algorithm", "fast"},
+                                                {"--bounds", "convex"},
+                                                {"--hierarchy", "heap"},
+                                                {"--algorithm", "oh", "--regroup"},
+                                                {"--bounds", "sphere", "--sphere-first"}}) {
     const Outcome outcome = cull(words);
     EXPECT_EQ(outcome.status, 2) << words[0];
     EXPECT_NE(outcome.err.find("tessera: error: "), std::string::npos) << outcome.err;
@@ -116,10 +119,10 @@ TEST_F(CullingTools, RefusesWhatDoesNotGoTogether) {
 }
 
 TEST_F(CullingTools, BenchCullMeasuresEveryMethodAgainstAdaptive) {
-  const Outcome outcome = run({program("tessera"), "bench", "cull", "--wall", config("wall-4x4.json"), "--scene",
-                               scene_, "--camera", config("fly.camera.json"), "--frames", "4",
-                               "--audited-frames", "2", "--json", folder_ / "bench.json"},
-                              seconds(60));
+  const Outcome outcome = run(
+      {program("tessera"), "bench", "cull", "--wall", config("wall-4x4.json"), "--scene", scene_, "--camera",
+       config("fly.camera.json"), "--frames", "4", "--audited-frames", "2", "--json", folder_ / "bench.json"},
+      seconds(60));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Json report = readJson(folder_ / "bench.json");
   EXPECT_EQ(report["audited_drops"], 0);
@@ -134,7 +137,8 @@ TEST_F(CullingTools, BenchCullMeasuresEveryMethodAgainstAdaptive) {
 
 TEST_F(CullingTools, BenchPapersWritesEveryFigure) {
   const Outcome outcome =
-      run({program("tessera"), "bench", "papers", "--out", folder_ / "papers", "--frame-scale", "0.001"},
+      run({program("tessera"), "bench", "papers", "--out", folder_ / "papers", "--frame-scale", "0.001",
+           "--only", "methods,tiles,dynamic,regroup,mtpl,optimizations,excess,bound"},
           seconds(240));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   for (const char* name :
@@ -148,9 +152,16 @@ TEST_F(CullingTools, BenchPapersWritesEveryFigure) {
 // Another hierarchy and cut meshes change what is sent, not what is seen.
 TEST_F(CullingTools, AWallShowsTheSameWithAnotherHierarchyAndCutMeshes) {
   const auto runWith = [&](const std::string& out, std::vector<std::string> more) {
-    std::vector<std::string> command = {program("tessera"),      "run",      "--wall",
-                                        config("wall-2x2.json"), "--scene",  scene_,
-                                        "--frames",              "2",        "--out", folder_ / out};
+    std::vector<std::string> command = {program("tessera"),
+                                        "run",
+                                        "--wall",
+                                        config("wall-2x2.json"),
+                                        "--scene",
+                                        scene_,
+                                        "--frames",
+                                        "2",
+                                        "--out",
+                                        folder_ / out};
     command.insert(command.end(), more.begin(), more.end());
     return run(command, seconds(120));
   };

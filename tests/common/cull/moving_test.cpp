@@ -25,8 +25,8 @@ Mat4 anyMotion(Geometry& geometry, const Vec3& about, double reach) {
   return map;
 }
 
-/// Where a leaf's triangle is after a motion, rounded; and the same shrunk a little, so that what meets a tile
-/// for certain can be told from what only its rounding makes meet.
+/// Where a leaf's triangle is after a motion, rounded; and the same shrunk a little, so that what meets a
+/// tile for certain can be told from what only its rounding makes meet.
 std::vector<std::vector<bool>> certainVisibility(std::span<const Frustum> tiles,
                                                  const std::vector<Triangle>& leaves,
                                                  const std::vector<Mat4>& motions) {
@@ -71,9 +71,10 @@ TEST(MovingLeaves, RefittedBoundsHoldTheContractForEveryAlgorithmAndBound) {
           ASSERT_EQ(refit.move(leaf, motions[leaf]), BoundsRefit::Moved::Done);
         }
         refit.refit();
-        WallView view = viewOf(gridWall(4, 3, 50),
-                               {.eye = center + geometry.vector(8), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}},
-                               center, 20);
+        WallView view =
+            viewOf(gridWall(4, 3, 50),
+                   {.eye = center + geometry.vector(8), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}},
+                   center, 20);
         view.wall.near = view.wall.far = std::nullopt;
         for (Frustum& tile : view.tiles)
           tile.near = tile.far = std::nullopt;
@@ -97,9 +98,9 @@ TEST(MovingLeaves, HybridBoundsAreTighterThanBoxesOfTheWorldWhereThingsStandStil
   for (std::uint32_t leaf = 0; leaf < 3000; leaf += 10)
     static_cast<void>(refit.move(leaf, anyMotion(geometry, scene.leaves[leaf][0], 0.5)));
   refit.refit();
-  const WallView view =
-      viewOf(gridWall(8, 8, 50), {.eye = Vec3(1, 2, 9), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
-             Vec3::Zero(), 20);
+  const WallView view = viewOf(
+      gridWall(8, 8, 50), {.eye = Vec3(1, 2, 9), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
+      Vec3::Zero(), 20);
   GridFrusta frusta(8, 8);
   frusta.update(view.wall, view.tiles);
   const auto pairs = [&](cull::BoundsKind bounds) {
@@ -118,9 +119,9 @@ TEST(PartedCuller, ListsBothPartsInOneIdSpace) {
     moving.leaves.push_back(geometry.any(Vec3::Zero(), 10));
   fixed.build(geometry.engine());
   moving.build(geometry.engine());
-  WallView view =
-      viewOf(gridWall(3, 3, 50), {.eye = Vec3(1, 2, 9), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
-             Vec3::Zero(), 20);
+  WallView view = viewOf(gridWall(3, 3, 50),
+                         {.eye = Vec3(1, 2, 9), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
+                         Vec3::Zero(), 20);
   view.wall.near = view.wall.far = std::nullopt;
   for (Frustum& tile : view.tiles)
     tile.near = tile.far = std::nullopt;
@@ -160,10 +161,12 @@ TEST(PartedCuller, RemembersTheStaticPartWhileTheOtherMoves) {
   for (int frame = 0; frame < 3; ++frame) {
     static_cast<void>(refit.move(3, anyMotion(geometry, moving.leaves[3][0], 1)));
     refit.refit();
-    const WallView view = viewOf(
-        gridWall(3, 3, 50),
-        {.eye = Vec3(1 + 0.01 * frame, 2, 9), .target = Vec3(0.01 * frame, 0, 0), .up = Vec3(0, 1, 0), .fovYRad = {}},
-        Vec3::Zero(), 20);
+    const WallView view = viewOf(gridWall(3, 3, 50),
+                                 {.eye = Vec3(1 + 0.01 * frame, 2, 9),
+                                  .target = Vec3(0.01 * frame, 0, 0),
+                                  .up = Vec3(0, 1, 0),
+                                  .fovYRad = {}},
+                                 Vec3::Zero(), 20);
     GridFrusta frusta(3, 3);
     frusta.update(view.wall, view.tiles);
     const cull::Result& result = culler.cull(frusta);

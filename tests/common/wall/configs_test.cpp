@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -63,8 +65,9 @@ TEST(Configs, everyShippedFileLoads) {
       EXPECT_EQ(name, "wall-" + grid + ".json");
     }
   }
-  for (const char* name : {"wall-1x1.json", "wall-2x2.json", "wall-3x2.json", "wall-4x4.json",
-                           "wall-8x8.json", "wall-16x16.json", "orbit.camera.json", "fly.camera.json"}) {
+  for (const char* name :
+       {"wall-1x1.json", "wall-2x2.json", "wall-3x2.json", "wall-4x4.json", "wall-8x8.json",
+        "wall-16x16.json", "orbit.camera.json", "fly.camera.json", "dive.camera.json"}) {
     EXPECT_TRUE(fs::exists(kConfigs / name)) << name;
   }
 }
@@ -95,6 +98,23 @@ TEST(Configs, flyStaysInsideTheScene) {
     EXPECT_GE(pose.eye.y(), 0.03) << timeS;
     EXPECT_LE(pose.eye.y(), 0.2) << timeS;
   }
+}
+
+TEST(Configs, diveGoesFromAllInViewToNothing) {
+  const Result<CameraPath> path = readCameraPath(kConfigs / "dive.camera.json");
+  ASSERT_TRUE(path.ok()) << path.error().text();
+  // The angle from the view direction to the scene's centre, and the scene's angular radius.
+  const auto angles = [&](double timeS) {
+    const CameraPose pose = path->poseAt(timeS, Vec3::Zero(), 1);
+    const Vec3 forward = (pose.target - pose.eye).normalized();
+    return std::pair(std::acos(std::min(1.0, forward.dot(-pose.eye.normalized()))),
+                     std::asin(1 / pose.eye.norm()));
+  };
+  constexpr double kDeg = std::numbers::pi / 180;
+  const auto [firstAngle, firstRadius] = angles(0);
+  EXPECT_LT(firstAngle + firstRadius, 25 * kDeg);
+  const auto [lastAngle, lastRadius] = angles(path->keyframes().back().timeS);
+  EXPECT_GT(lastAngle - lastRadius, 45 * kDeg);  // half the diagonal of a 16:9 wall of 50 degrees is 43.6
 }
 
 /// The keys that the reader lists when it meets an unknown one.
