@@ -48,6 +48,15 @@ osg::ref_ptr<osg::Vec3Array> relativeVertices(const osg::Array& array, const Vec
   return nullptr;
 }
 
+/// Per axis, how far float(v - origin) + origin may lie from any of the points v: half an ulp, or half the
+/// least denormal; both kept twice, which also covers the rounding of the difference in double.
+Vec3 storageErrorOf(std::span<const Vec3> points, const Vec3& origin) {
+  Vec3 reach = Vec3::Zero();
+  for (const Vec3& p : points)
+    reach = reach.cwiseMax((p - origin).cwiseAbs());
+  return reach * 0x1p-23 + Vec3::Constant(0x1p-149);
+}
+
 /// What says nothing about how a thing looks must not be part of its name.
 void stripIdentity(osg::Drawable& drawable) {
   drawable.setName({});
@@ -91,6 +100,7 @@ Result<const WrittenDrawable*> AssetWriter::writeDrawable(const osg::Drawable& d
     if (vertices && (isDouble || !written.origin.isZero())) {
       if (osg::ref_ptr<osg::Vec3Array> relative = relativeVertices(*vertices, written.origin)) {
         mesh->setVertexArray(relative);
+        if (isDouble) written.storageError = storageErrorOf(written.points, written.origin);
       } else {
         written.origin.setZero();
       }

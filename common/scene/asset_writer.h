@@ -19,7 +19,9 @@ namespace tessera {
 struct WrittenDrawable {
   AssetId id;
   Vec3 origin = Vec3::Zero();  ///< local coordinates: the stored vertices are relative to it
-  std::vector<Vec3> points;    ///< the vertices in use, local coordinates, full precision
+  /// Per axis, how far a stored vertex may lie from its point: vertices in double are stored as float.
+  Vec3 storageError = Vec3::Zero();
+  std::vector<Vec3> points;  ///< the vertices in use, local coordinates, full precision
   std::uint64_t triangles = 0;
   bool isEmpty = true;  ///< there is nothing to draw
 };

@@ -44,6 +44,8 @@ struct WorldTransform {
   [[nodiscard]] Vec3 errorAt(const Vec3& reach) const {
     return (absolute * reach.homogeneous()).head<3>() * (8.0 * (steps + 1) * kUnitRoundoff);
   }
+  /// What an error of up to `error` in each component of a point may come to.
+  [[nodiscard]] Vec3 spread(const Vec3& error) const { return absolute.topLeftCorner<3, 3>() * error; }
 };
 
 Mat4 toColumnVectors(const osg::Matrixd& m) {
@@ -277,7 +279,8 @@ class Extractor {
       leaf.billboard = billboardOf(*billboard, drawableIndex);
       points = reachOf(points, *leaf.billboard);
     }
-    Vec3 reach = Vec3::Zero();
+    Vec3 reach = Vec3::Zero(), storageError = geometry.storageError;
+    if (billboard) storageError.setConstant(storageError.norm());  // it may turn to any axis
     for (Vec3& p : points) {
       reach = reach.cwiseMax(p.cwiseAbs());
       p = (transform.matrix * p.homogeneous()).head<3>();
@@ -289,7 +292,8 @@ class Extractor {
     } else if (!geometry.origin.isZero()) {
       return nodeError(path, "is a billboard whose drawable lies far from its origin");
     }
-    builder_.addLeaf(boundsOf(points, transform.errorAt(reach)));
+    // Bounds hold the vertices of the file and those that the tiles are sent.
+    builder_.addLeaf(boundsOf(points, transform.errorAt(reach) + transform.spread(storageError)));
     scene_.leaves.push_back(std::move(leaf));
     return Done{};
   }

@@ -142,6 +142,38 @@ TEST(LeafTriangles, PointsAndLinesAreDegenerateTriangles) {
   EXPECT_EQ(xs, (std::vector<std::array<int, 3>>{{3, 3, 3}, {0, 1, 1}, {1, 2, 2}, {2, 3, 3}, {3, 1, 1}}));
 }
 
+TEST(LeafTriangles, OfVerticesInDoubleLieWithinTheBoundsAsStored) {
+  for (const double offset : {0.0, 0.3, 10.0, 1e4 + 1.0 / 3, 1e7 + 1.0 / 3, -1e12 / 3}) {
+    osg::ref_ptr<osg::Geometry> mesh = gridMesh(3);
+    osg::ref_ptr<osg::Vec3dArray> doubles = new osg::Vec3dArray;
+    for (const osg::Vec3& v : dynamic_cast<const osg::Vec3Array&>(*mesh->getVertexArray()))
+      doubles->push_back(osg::Vec3d(v) * (1.0 / 3) + osg::Vec3d(offset, -offset, offset / 3));
+    mesh->setVertexArray(doubles);
+    osg::ref_ptr<osg::Group> root = new osg::Group;
+    root->addChild(placed(mesh, osg::Matrixd::identity()));
+    root->addChild(
+        placed(mesh, osg::Matrixd::rotate(1, osg::Vec3d(1, 2, 3)) * osg::Matrixd::scale(10, 1, 0.1)));
+    for (const std::uint64_t most : {0, 4}) {
+      const auto scene = extract(root, most);
+      ASSERT_TRUE(scene) << scene.error().text();
+      LeafTriangles triangles(*scene);
+      for (std::uint32_t leaf = 0; leaf < scene->leaves.size(); ++leaf) {
+        const std::uint32_t node = scene->hierarchy.nodeOfLeaf(leaf);
+        const Aabb& box = scene->hierarchy.aabb(node);
+        const Sphere& sphere = scene->hierarchy.sphere(node);
+        const auto some = triangles.of(leaf);
+        ASSERT_TRUE(some);
+        for (const Triangle& triangle : *some) {
+          for (const Vec3& v : triangle) {
+            EXPECT_TRUE(box.contains(Aabb{v, v})) << "leaf " << leaf << " at " << offset;
+            EXPECT_LE((v - sphere.center).norm(), sphere.radius) << "leaf " << leaf << " at " << offset;
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(LeafTriangles, BillboardsHaveNone) {
   osg::ref_ptr<osg::Group> root = new osg::Group;
   osg::ref_ptr<osg::Billboard> billboard = new osg::Billboard;
