@@ -166,15 +166,18 @@ TEST_F(FarScene, LooksAsItDoesAtTheOrigin) {
   struct Place {
     const char* name;
     Offset offset;
+    std::size_t differing = 10;  ///< pixels of all frames that may
   };
-  draw("origin", {0, 0, 0});
-  for (const auto& [name, offset] :
+  ASSERT_NO_FATAL_FAILURE(draw("origin", {0, 0, 0}));
+  // Not one pixel was measured to differ up to 1e7 m, where doubles are 2 nm apart, and one at 1e9 m. Other
+  // renderers may flip a few on edges.
+  for (const auto& [name, offset, differing] :
        {Place{"x1e4", {1e4, 0, 0}}, Place{"y1e6", {0, 1e6, 0}}, Place{"x1e7", {1e7, 0, 0}},
-        Place{"y1e7", {0, 1e7, 0}}, Place{"z-1e7", {0, 0, -1e7}}, Place{"all1e7", {1e7, -1e7, 1e7}}}) {
+        Place{"y1e7", {0, 1e7, 0}}, Place{"z-1e7", {0, 0, -1e7}}, Place{"all1e7", {1e7, -1e7, 1e7}},
+        Place{"odd", {12345678.9, -7654321.1, 0}}, Place{"x1e9", {1e9, 0, 0}, 40}}) {
     ASSERT_NO_FATAL_FAILURE(draw(name, offset));
     const Sum sum = compareAll("origin", name);
-    EXPECT_LE(sum.differing, 1000U) << name;
-    EXPECT_LE(sum.differingMuch, 100U) << name;
+    EXPECT_LE(sum.differing, differing) << name;
   }
 }
 
@@ -183,8 +186,7 @@ TEST_F(FarScene, StitchedItEqualsTheUntiledUnculledPicture) {
   ASSERT_NO_FATAL_FAILURE(draw("stitched", offset));
   ASSERT_NO_FATAL_FAILURE(draw("untiled", offset, {"--untiled", "--algorithm", "none"}));
   const Sum sum = compareAll("stitched", "untiled");
-  EXPECT_LE(sum.differing, 1000U);
-  EXPECT_LE(sum.differingMuch, 100U);
+  EXPECT_LE(sum.differing, 10U);
 }
 
 }  // namespace
