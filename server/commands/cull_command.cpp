@@ -111,7 +111,8 @@ Status cullScene(const CullCommandFlags& flags) {
     lists.emplace();
     if (Status status = lists->open(flags.lists, *scene, *wall); !status) return status;
   }
-  GridFrusta frusta(static_cast<std::uint16_t>(wall->columns), static_cast<std::uint16_t>(wall->rows));
+  GridFrusta frusta(static_cast<std::uint16_t>(wall->columns), static_cast<std::uint16_t>(wall->rows),
+                    flags.cull.planeSource());
   cull::Culler culler(scene->hierarchy, *options);
   Measured measured;
   if (flags.audit) measured.audit.emplace(*scene);

@@ -116,6 +116,11 @@ void CullFlags::add(CLI::App& app) {
   app.add_option("--bounds", bounds, "What to cull by: sphere, aabb, obb, hybrid or aabb-then-obb")
       ->capture_default_str()
       ->envname("TESSERA_BOUNDS");
+  app.add_option("--planes", planes,
+                 "Culling: the tiles' sides from their corners, or from the view-projection matrix")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"corners", "matrix"}))
+      ->group("Switches of the cullers");
   for (const SwitchFlag& flag : kSwitches) {
     const std::string name = std::string("--") + (flag.byDefault ? "no-" : "") + flag.name;
     app.add_flag_callback(
@@ -135,6 +140,7 @@ std::vector<std::string> CullFlags::changedSwitches() const {
     if (switches.*flag.value != flag.byDefault)
       changed.push_back(std::string(flag.byDefault ? "no-" : "") + flag.name);
   }
+  if (planes != "corners") changed.push_back("planes " + planes);
   return changed;
 }
 

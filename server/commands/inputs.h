@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "common/cull/culler.h"
+#include "common/hierarchy/tile_cone.h"
 #include "common/scene/scene.h"
 #include "common/wall/camera_path.h"
 #include "common/wall/wall.h"
@@ -33,13 +34,16 @@ struct InputFiles {
 
 /// --algorithm, --bounds and the switches of the cullers.
 struct CullFlags {
-  std::string algorithm = "adaptive", bounds = "obb";
+  std::string algorithm = "adaptive", bounds = "obb", planes = "corners";
   cull::Switches switches;
   /// "algorithm bounds" and the switches that are not at their defaults.
   [[nodiscard]] std::string text() const;
   [[nodiscard]] std::vector<std::string> changedSwitches() const;
   void add(CLI::App& app);
   [[nodiscard]] Result<cull::Options> options() const;
+  [[nodiscard]] PlaneSource planeSource() const {
+    return planes == "matrix" ? PlaneSource::Matrix : PlaneSource::Corners;
+  }
 };
 
 }  // namespace tessera

@@ -29,6 +29,7 @@ struct RunFlags {
 MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOptions) {
   MasterOptions options;
   options.cull = cullOptions;
+  options.planeSource = flags.cull.planeSource();
   options.frames = flags.frames;
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));

@@ -35,6 +35,7 @@ Status serve(const ServeFlags& flags) {
 
   MasterOptions options;
   options.cull = *cullOptions;
+  options.planeSource = flags.cull.planeSource();
   options.frames = flags.frames;
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));

@@ -117,7 +117,8 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
     return status.error();
   }
   report_.tiles.resize(wall_.tiles.size());
-  GridFrusta frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows));
+  GridFrusta frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows),
+                    options_.planeSource);
   cull::Culler culler(scene_.hierarchy, options_.cull);
   const Sphere& sphere = scene_.sphere();
   firstFrame_ = lastPaced_ = lastSwap_ = Clock::now();

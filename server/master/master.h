@@ -11,6 +11,7 @@
 
 #include "common/base/result.h"
 #include "common/cull/culler.h"
+#include "common/hierarchy/tile_cone.h"
 #include "common/net/connection.h"
 #include "common/scene/scene.h"
 #include "common/wall/camera_path.h"
@@ -25,6 +26,7 @@ namespace tessera {
 
 struct MasterOptions {
   cull::Options cull;
+  PlaneSource planeSource = PlaneSource::Corners;
   std::uint64_t frames = 0;        ///< along the camera path; 0: over and over until stopped
   std::uint64_t loopFrames = 600;  ///< frames of one pass of the path when it runs over and over
   double framesPerSecond = 0;      ///< 0: as fast as the tiles are

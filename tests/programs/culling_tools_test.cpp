@@ -48,7 +48,7 @@ TEST_F(CullingTools, AuditFindsNoDropWhateverIsChosen) {
         Words{"--algorithm", "adaptive-listing", "--bounds", "aabb", "--sign-table"},
         Words{"--bounds", "aabb-then-obb"}, Words{"--bounds", "hybrid", "--sphere-first"},
         Words{"--hierarchy", "bvh", "--mtpl", "40"}, Words{"--hierarchy", "octree"},
-        Words{"--hierarchy", "loose-octree", "--motion-coherence"},
+        Words{"--planes", "matrix"}, Words{"--hierarchy", "loose-octree", "--motion-coherence"},
         Words{"--hierarchy", "kd", "--no-plane-masking"}, Words{"--hierarchy", "graph", "--mtpl", "30"}}) {
     Words words = choice;
     words.insert(words.end(), {"--audit", "--json", folder_ / "cull.json"});

@@ -156,6 +156,52 @@ std::vector<Frustum> frustaOf(const std::vector<Screen>& screens, const Vec3& ey
   return frusta;
 }
 
+// Corners far from the origin are rounded to coarse steps, so rows and columns are not straight: a bisection
+// plane then cuts into tiles on both sides, and has to give way by as much.
+TEST(GridFrusta, HoldTheContractForALatticeThatIsNotStraight) {
+  for (const double step : {1e-12, 1e-7, 1e-3}) {
+    Geometry geometry(37);
+    constexpr int kColumns = 6, kRows = 5;
+    std::vector<Vec3> lattice;
+    for (int row = 0; row <= kRows; ++row) {
+      for (int column = 0; column <= kColumns; ++column)
+        lattice.push_back(Vec3(0.2 * column - 0.6, 0.5 - 0.2 * row, -1) + geometry.vector(step));
+    }
+    const auto at = [&](int column, int row) {
+      return lattice[static_cast<std::size_t>(row * (kColumns + 1) + column)];
+    };
+    Frustum wall;
+    wall.corners = {at(0, kRows), at(kColumns, kRows), at(kColumns, 0), at(0, 0)};
+    std::vector<Frustum> tiles;
+    for (int row = 0; row < kRows; ++row) {
+      for (int column = 0; column < kColumns; ++column) {
+        tiles.emplace_back();
+        tiles.back().corners = {at(column, row + 1), at(column + 1, row + 1), at(column + 1, row),
+                                at(column, row)};
+      }
+    }
+    TriangleScene scene;
+    for (int i = 0; i < 400; ++i)
+      scene.leaves.push_back(geometry.hard(tiles));
+    for (int i = 0; i < 400; ++i) {  // small things by the lattice's points
+      const Vec3 p =
+          3 * at(static_cast<int>(geometry.below(kColumns + 1)), static_cast<int>(geometry.below(kRows + 1)));
+      scene.leaves.push_back(
+          {p + geometry.vector(3 * step), p + geometry.vector(3 * step), p + geometry.vector(3 * step)});
+    }
+    scene.build(geometry.engine());
+    const auto meets = exactVisibility(tiles, scene.leaves);
+    for (const PlaneSource source : {PlaneSource::Corners, PlaneSource::Matrix}) {
+      GridFrusta frusta(kColumns, kRows, source);
+      frusta.update(wall, tiles);
+      for (const Candidate& candidate : allCandidates()) {
+        cull::Culler culler(scene.hierarchy, candidate.options);
+        ASSERT_EQ(firstDrop(culler.cull(frusta), meets), "") << candidate.name << ", step " << step;
+      }
+    }
+  }
+}
+
 TEST(GeneralFrusta, BisectsWell) {
   GeneralFrusta frusta;
   frusta.update(frustaOf(grid(16, 16, 0.1, 0.09)));
