@@ -116,7 +116,6 @@ TEST_P(CullerContract, HoldsOnEveryHierarchy) {
 }
 
 TEST_P(CullerContract, HoldsAlongAFlightWithWhatIsRemembered) {
-  if (s.columns * s.rows > 64) GTEST_SKIP() << "covered on smaller grids; exact arithmetic takes too long";
   const WallView first = randomView();
   const TriangleScene scene = sceneFor(first);
   const std::array flags = {cull::Switches{.motionCoherence = true},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
 
 #include "common/geometry/projection.h"
@@ -307,6 +308,66 @@ TEST(PlacedFrusta, HoldTheContractForModelsPlacedAnyhow) {
       }
     }
   }
+}
+
+using Rational = boost::multiprecision::cpp_rational;
+using Exact = std::array<Rational, 3>;
+
+Exact exact(const Vec3& v) {
+  return {Rational(v.x()), Rational(v.y()), Rational(v.z())};
+}
+Rational dot(const Exact& a, const Exact& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Boxes of a model that touch a plane of the world as nearly as doubles tell, judged exactly.
+TEST(PlacedFrusta, NeverCallABoxOutsideThatIsNot) {
+  Geometry geometry(71);
+  int outside = 0, touching = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double offset = std::array{0.0, 1e4, 1e8}[geometry.below(3)];
+    const Vec3 eye = geometry.vector(1) + Vec3(offset, -offset, offset / 3);
+    const Vec3 a = eye + geometry.vector(1), b = eye + geometry.vector(1);
+    const Mat3 linear = Mat3(Eigen::AngleAxisd(6 * geometry.unit01(), geometry.vector(1).normalized())) *
+                        std::pow(10.0, 6 * geometry.unit01() - 3);
+    const Vec3 translation = eye + geometry.vector(5);
+    const BoundedPlane placed = inModelSpace(planeThroughEye(a - eye, b - eye), linear, translation - eye);
+    Obb box;
+    box.center = geometry.vector(3);
+    for (Vec3& h : box.halfAxes)
+      h = geometry.vector(0.1);
+    // Moved along the normal until the farthest corner lies on the plane, give or take some ulps.
+    const RelativeObb bounds(box, Vec3::Zero());
+    const double value = placed.normal.dot(bounds.d) - placed.distance + bounds.radius(placed.normal);
+    box.center -= value / placed.normal.squaredNorm() * placed.normal;
+    for (double& x : box.center) {
+      for (std::uint64_t ulps = geometry.below(4); ulps > 0; --ulps)
+        x = std::nextafter(x, geometry.below(2) ? 1e300 : -1e300);
+    }
+    const Exact e = exact(eye), ea = exact(a), eb = exact(b);
+    const Exact p = {eb[0] - e[0], eb[1] - e[1], eb[2] - e[2]},
+                q = {ea[0] - e[0], ea[1] - e[1], ea[2] - e[2]};
+    const Exact normal = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+    const Exact t = exact(translation);
+    Rational most = dot(normal, {t[0] - e[0], t[1] - e[1], t[2] - e[2]});
+    const auto along = [&](const Vec3& v) {  // normal . (linear v)
+      Rational sum = 0;
+      for (int column = 0; column < 3; ++column)
+        sum += dot(normal, exact(linear.col(column))) * Rational(v[column]);
+      return sum;
+    };
+    most += along(box.center);
+    for (const Vec3& h : box.halfAxes)
+      most += abs(along(h));
+    if (most >= 0) {
+      ++touching;
+      ASSERT_NE(classify(RelativeObb(box, Vec3::Zero()), placed), Side::Outside) << "case " << i;
+    } else {
+      ++outside;
+    }
+  }
+  EXPECT_GT(touching, 1000);
+  EXPECT_GT(outside, 1000);
 }
 
 TEST(PlacedFrusta, CullAPlacedModelAsTheWorldWould) {
