@@ -159,7 +159,7 @@ std::vector<Frustum> frustaOf(const std::vector<Screen>& screens, const Vec3& ey
 
 // Corners far from the origin are rounded to coarse steps, so rows and columns are not straight: a bisection
 // plane then cuts into tiles on both sides, and has to give way by as much.
-TEST(GridFrusta, HoldTheContractForALatticeThatIsNotStraight) {
+TEST(Frusta, HoldTheContractForALatticeThatIsNotStraight) {
   for (const double step : {1e-12, 1e-7, 1e-3}) {
     Geometry geometry(37);
     constexpr int kColumns = 6, kRows = 5;
@@ -195,9 +195,13 @@ TEST(GridFrusta, HoldTheContractForALatticeThatIsNotStraight) {
     for (const PlaneSource source : {PlaneSource::Corners, PlaneSource::Matrix}) {
       GridFrusta frusta(kColumns, kRows, source);
       frusta.update(wall, tiles);
+      GeneralFrusta general({.separateOverlaps = true, .source = source});
+      general.update(tiles);
       for (const Candidate& candidate : allCandidates()) {
         cull::Culler culler(scene.hierarchy, candidate.options);
         ASSERT_EQ(firstDrop(culler.cull(frusta), meets), "") << candidate.name << ", step " << step;
+        ASSERT_EQ(firstDrop(culler.cull(general), meets), "")
+            << candidate.name << ", as any frusta, step " << step;
       }
     }
   }
