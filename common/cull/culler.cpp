@@ -1,6 +1,7 @@
 #include "common/cull/culler.h"
 
 #include <cstdlib>
+#include <utility>
 
 #include "common/cull/bounds_view.h"
 #include "common/cull/methods/adaptive.h"
@@ -31,6 +32,10 @@ void run(const Context& context) {
       return cullAdaptive<View>(context);
     case Algorithm::AdaptiveListing:
       return cullAdaptiveListing<View>(context);
+    case Algorithm::Footprint:
+    case Algorithm::Table:
+    case Algorithm::Auto:
+      return cullAdaptive<View>(context);  // wherever there is no grid
   }
 }
 
@@ -66,7 +71,7 @@ Culler::~Culler() = default;
 Culler::Culler(Culler&&) noexcept = default;
 Culler& Culler::operator=(Culler&&) noexcept = default;
 
-const Result& Culler::cull(const FrustumHierarchy& frusta) {
+void Culler::cullByPlanes(const FrustumHierarchy& frusta) {
   Result& result = workspace_->result;
   result.lists.resize(frusta.tileCount());
   for (VisibleList& list : result.lists)
@@ -81,7 +86,34 @@ const Result& Culler::cull(const FrustumHierarchy& frusta) {
   result.pairs = 0;
   for (const VisibleList& list : result.lists)
     result.pairs += leafCount(list);
-  return result;
+}
+
+const Result& Culler::cull(const FrustumHierarchy& frusta) {
+  cullByPlanes(frusta);
+  return workspace_->result;
+}
+
+const Changes& Culler::cullChanges(const FrustumHierarchy& frusta) {
+  Workspace& work = *workspace_;
+  std::swap(work.result.lists, work.listsBefore);
+  if (work.listsBefore.size() != frusta.tileCount()) {
+    work.listsBefore.assign(frusta.tileCount(), {});
+  }
+  cullByPlanes(frusta);
+  Changes& changes = work.changes;
+  changes.toggled.resize(frusta.tileCount());
+  changes.leafCounts.resize(frusta.tileCount());
+  for (std::uint32_t tile = 0; tile < frusta.tileCount(); ++tile) {
+    symmetricDifferenceInto(work.listsBefore[tile], work.result.lists[tile], changes.toggled[tile]);
+    changes.leafCounts[tile] = static_cast<std::uint32_t>(leafCount(work.result.lists[tile]));
+  }
+  changes.tests = work.result.tests;
+  changes.pairs = work.result.pairs;
+  return changes;
+}
+
+void Culler::listOf(std::uint32_t tile, VisibleList& out) const {
+  out = workspace_->result.lists[tile];
 }
 
 }  // namespace tessera::cull

@@ -26,12 +26,26 @@ class Culler {
   Culler(Culler&&) noexcept;
   Culler& operator=(Culler&&) noexcept;
 
-  /// The result lives until the next call.
+  /// The whole lists. The result lives until the next call of any member.
   const Result& cull(const FrustumHierarchy& frusta);
 
+  /// The same lists as what they change in those of the call before, of whichever member; of the first call,
+  /// and where the number of tiles changes, in empty lists. Does not allocate once warm. The result lives
+  /// until the next call of any member.
+  const Changes& cullChanges(const FrustumHierarchy& frusta);
+
+  /// One tile's whole list as of the last call. `out` is cleared and refilled.
+  void listOf(std::uint32_t tile, VisibleList& out) const;
+
+  /// What the last call ran: the algorithm of the options, or what Algorithm::Auto chose.
+  [[nodiscard]] Algorithm picked() const { return picked_; }
+
  private:
+  void cullByPlanes(const FrustumHierarchy& frusta);
+
   const ObjectHierarchy* scene_;
   Options options_;
+  Algorithm picked_ = options_.algorithm;
   std::unique_ptr<Workspace> workspace_;
 };
 

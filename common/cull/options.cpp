@@ -13,10 +13,15 @@ constexpr std::array kAlgorithms = {std::pair{Algorithm::None, "none"},
                                     std::pair{Algorithm::Oh, "oh"},
                                     std::pair{Algorithm::Fh, "fh"},
                                     std::pair{Algorithm::Adaptive, "adaptive"},
-                                    std::pair{Algorithm::AdaptiveListing, "adaptive-listing"}};
+                                    std::pair{Algorithm::AdaptiveListing, "adaptive-listing"},
+                                    std::pair{Algorithm::Footprint, "footprint"},
+                                    std::pair{Algorithm::Table, "table"},
+                                    std::pair{Algorithm::Auto, "auto"}};
 constexpr std::array kBounds = {std::pair{BoundsKind::Sphere, "sphere"}, std::pair{BoundsKind::Aabb, "aabb"},
                                 std::pair{BoundsKind::Obb, "obb"}, std::pair{BoundsKind::Hybrid, "hybrid"},
                                 std::pair{BoundsKind::AabbThenObb, "aabb-then-obb"}};
+constexpr std::array kReuses = {std::pair{Reuse::Never, "never"}, std::pair{Reuse::Always, "always"},
+                                std::pair{Reuse::Measured, "measured"}};
 
 template <class Table>
 auto findByName(const Table& table, std::string_view name) {
@@ -48,6 +53,12 @@ std::string_view nameOf(Algorithm algorithm) {
 }
 std::string_view nameOf(BoundsKind bounds) {
   return findName(kBounds, bounds);
+}
+std::optional<Reuse> reuseFromName(std::string_view name) {
+  return findByName(kReuses, name);
+}
+std::string_view nameOf(Reuse reuse) {
+  return findName(kReuses, reuse);
 }
 
 Status check(const Options& options) {

@@ -18,6 +18,9 @@ enum class Algorithm {
   Adaptive,  ///< the paper's text: descend FH while the node is uncut, unfold OH where it is cut, and go on
              ///< culling OH against what is left of the planes where FH ends
   AdaptiveListing,  ///< Algorithm 2 as printed: where FH ends the whole node is marked
+  Footprint,  ///< intervals of columns and rows of projected boxes, 8 at a time, in a wide implicit tree
+  Table,      ///< the same of every leaf, without a tree, as one dense table
+  Auto,       ///< chooses between table, footprint and adaptive; what runs is Culler::picked()
 };
 
 /// What is tested against the planes.
@@ -27,6 +30,13 @@ enum class BoundsKind {
   Obb,
   Hybrid,      ///< AABB for what moves, OBB for what stands still (the paper, section 5)
   AabbThenObb  ///< the OBB only where the AABB is cut
+};
+
+/// When a result may be kept as long as it certainly still holds.
+enum class Reuse {
+  Never,
+  Always,
+  Measured,  ///< while it spares more than it costs
 };
 
 /// Each can be measured alone and together with others. None changes what may be dropped.
@@ -57,18 +67,30 @@ struct Switches {
   /// `regroupFrom` children on (the paper, section 4.2: pseudo-groups).
   bool regroup = false;
   std::uint32_t regroupFrom = 8;
+  /// Footprint, table: leaves that cover several rows and columns are listed row by row, where the outline of
+  /// the projected box is, instead of in the whole rectangle.
+  bool refine = true;
+  /// Table: blocks of leaves are looked at again only when the camera has moved so far that their footprints
+  /// may have changed. The lists are the same.
+  Reuse coherent = Reuse::Measured;
 };
 
 struct Options {
   Algorithm algorithm = Algorithm::Adaptive;
   BoundsKind bounds = BoundsKind::Obb;
   Switches switches = {};
+  /// Footprint and table: at most so many threads where the work is large enough; 0: as many as the machine
+  /// has. The lists are the same for any number.
+  unsigned threads = 0;
 };
 
 [[nodiscard]] std::optional<Algorithm> algorithmFromName(std::string_view name);
 [[nodiscard]] std::optional<BoundsKind> boundsFromName(std::string_view name);
 [[nodiscard]] std::string_view nameOf(Algorithm algorithm);
 [[nodiscard]] std::string_view nameOf(BoundsKind bounds);
+
+[[nodiscard]] std::optional<Reuse> reuseFromName(std::string_view name);
+[[nodiscard]] std::string_view nameOf(Reuse reuse);
 
 /// Refuses switches that do not go together with each other or with the bounds.
 [[nodiscard]] Status check(const Options& options);

@@ -27,6 +27,15 @@ struct Result {
   std::uint64_t pairs = 0;  ///< (leaf, tile) pairs listed
 };
 
+/// What a frame changes in the lists of the frame before.
+struct Changes {
+  /// By tile: the leaves that are in exactly one of the two lists, as a canonical list of its own.
+  std::vector<VisibleList> toggled;
+  std::vector<std::uint32_t> leafCounts;  ///< by tile: leaves listed now
+  TestCounts tests;
+  std::uint64_t pairs = 0;  ///< (leaf, tile) pairs listed now
+};
+
 /// Of the lists' ranges, continuing from `seed`: equal lists of equal tiles have equal hashes on every
 /// machine.
 [[nodiscard]] std::uint64_t hashOf(const std::vector<VisibleList>& lists, std::uint64_t seed);

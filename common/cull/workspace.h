@@ -34,6 +34,8 @@ struct FrontNode {
 /// What a culler keeps from frame to frame: results and buffers.
 struct Workspace {
   Result result;
+  Changes changes;
+  std::vector<VisibleList> listsBefore;  ///< of the call before, where changes are asked for
   PlaneTester tester;
   std::vector<Task> tasks;
   std::vector<std::uint32_t> frustumStack;

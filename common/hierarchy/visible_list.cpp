@@ -8,8 +8,8 @@ namespace {
 
 /// Sweeps both lists' boundaries in order and keeps the ids where `keep(inA, inB)`.
 template <class Keep>
-VisibleList combine(const VisibleList& a, const VisibleList& b, Keep keep) {
-  VisibleList out;
+void combineInto(const VisibleList& a, const VisibleList& b, Keep keep, VisibleList& out) {
+  out.clear();
   std::size_t i = 0, j = 0;
   const auto boundary = [](const VisibleList& list, std::size_t k) {
     return k % 2 == 0 ? list[k / 2].first : list[k / 2].last;
@@ -27,6 +27,12 @@ VisibleList combine(const VisibleList& a, const VisibleList& b, Keep keep) {
     if (!kept && open) appendRange(out, {first, at});
     open = kept;
   }
+}
+
+template <class Keep>
+VisibleList combine(const VisibleList& a, const VisibleList& b, Keep keep) {
+  VisibleList out;
+  combineInto(a, b, keep, out);
   return out;
 }
 
@@ -59,6 +65,11 @@ VisibleList unionOf(const VisibleList& a, const VisibleList& b) {
 
 VisibleList differenceOf(const VisibleList& a, const VisibleList& b) {
   return combine(a, b, [](bool inA, bool inB) { return inA && !inB; });
+}
+
+void symmetricDifferenceInto(const VisibleList& a, const VisibleList& b, VisibleList& out) {
+  combineInto(
+      a, b, [](bool inA, bool inB) { return inA != inB; }, out);
 }
 
 }  // namespace tessera

@@ -37,6 +37,9 @@ inline void appendRange(VisibleList& list, LeafRange range) {
 [[nodiscard]] VisibleList unionOf(const VisibleList& a, const VisibleList& b);
 [[nodiscard]] VisibleList differenceOf(const VisibleList& a, const VisibleList& b);
 
+/// The leaves in exactly one of the two; `out` is cleared and refilled and must be neither of them.
+void symmetricDifferenceInto(const VisibleList& a, const VisibleList& b, VisibleList& out);
+
 /// Calls `visit(leaf)` for every leaf in ascending order.
 template <class Visit>
 void forEachLeaf(const VisibleList& list, Visit visit) {

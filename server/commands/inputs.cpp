@@ -105,12 +105,16 @@ constexpr std::array kSwitches = {
                "remember distances to rejecting planes from frame to frame"},
     SwitchFlag{"regroup", &cull::Switches::regroup, false,
                "adaptive: regroup children on one side of a bisection"},
+    SwitchFlag{"refine", &cull::Switches::refine, true,
+               "footprint, table: list leaves in their whole rectangle of tiles, not row by row"},
 };
 
 }  // namespace
 
 void CullFlags::add(CLI::App& app) {
-  app.add_option("--algorithm", algorithm, "How to cull: none, naive, oh, fh, adaptive or adaptive-listing")
+  app.add_option(
+         "--algorithm", algorithm,
+         "How to cull: auto (chooses), footprint, table, adaptive, adaptive-listing, fh, oh, naive or none")
       ->capture_default_str()
       ->envname("TESSERA_ALGORITHM");
   app.add_option("--bounds", bounds, "What to cull by: sphere, aabb, obb, hybrid or aabb-then-obb")
@@ -120,6 +124,18 @@ void CullFlags::add(CLI::App& app) {
                  "Culling: the tiles' sides from their corners, or from the view-projection matrix")
       ->capture_default_str()
       ->check(CLI::IsMember({"corners", "matrix"}))
+      ->group("Switches of the cullers");
+  app.add_option("--coherent", coherent,
+                 "Culling: table: keep footprints while they certainly hold: never, always, measured (while "
+                 "it spares more than it costs)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"never", "always", "measured"}))
+      ->group("Switches of the cullers");
+  app.add_option("--cull-threads", threads,
+                 "Culling: footprint, table: at most so many threads; 0: one for each core")
+      ->capture_default_str()
+      ->check(CLI::Range(0u, 1024u))
+      ->envname("TESSERA_CULL_THREADS")
       ->group("Switches of the cullers");
   for (const SwitchFlag& flag : kSwitches) {
     const std::string name = std::string("--") + (flag.byDefault ? "no-" : "") + flag.name;
@@ -141,6 +157,7 @@ std::vector<std::string> CullFlags::changedSwitches() const {
       changed.push_back(std::string(flag.byDefault ? "no-" : "") + flag.name);
   }
   if (planes != "corners") changed.push_back("planes " + planes);
+  if (coherent != "measured") changed.push_back("coherent " + coherent);
   return changed;
 }
 
@@ -155,14 +172,16 @@ Result<cull::Options> CullFlags::options() const {
   const auto chosenAlgorithm = cull::algorithmFromName(algorithm);
   if (!chosenAlgorithm) {
     return inputError("--algorithm", "there is no algorithm named \"" + algorithm + "\"",
-                      "choose none, naive, oh, fh, adaptive or adaptive-listing");
+                      "choose auto, footprint, table, adaptive, adaptive-listing, fh, oh, naive or none");
   }
   const auto chosenBounds = cull::boundsFromName(bounds);
   if (!chosenBounds) {
     return inputError("--bounds", "there are no bounds named \"" + bounds + "\"",
                       "choose sphere, aabb, obb, hybrid or aabb-then-obb");
   }
-  const cull::Options options{.algorithm = *chosenAlgorithm, .bounds = *chosenBounds, .switches = switches};
+  cull::Options options{
+      .algorithm = *chosenAlgorithm, .bounds = *chosenBounds, .switches = switches, .threads = threads};
+  options.switches.coherent = *cull::reuseFromName(coherent);
   if (Status status = cull::check(options); !status) return status.error();
   return options;
 }

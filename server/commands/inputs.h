@@ -34,7 +34,8 @@ struct InputFiles {
 
 /// --algorithm, --bounds and the switches of the cullers.
 struct CullFlags {
-  std::string algorithm = "adaptive", bounds = "obb", planes = "corners";
+  std::string algorithm = "auto", bounds = "obb", planes = "corners", coherent = "measured";
+  unsigned threads = 0;
   cull::Switches switches;
   /// "algorithm bounds" and the switches that are not at their defaults.
   [[nodiscard]] std::string text() const;

@@ -124,8 +124,9 @@ std::vector<Candidate> allCandidates() {
       Named{"all with sign-table",
             {.planeCoherency = true, .octantTest = true, .signTable = true, .motionCoherence = true}},
   };
-  for (const Algorithm algorithm : {Algorithm::None, Algorithm::Naive, Algorithm::Oh, Algorithm::Fh,
-                                    Algorithm::Adaptive, Algorithm::AdaptiveListing}) {
+  for (const Algorithm algorithm :
+       {Algorithm::None, Algorithm::Naive, Algorithm::Oh, Algorithm::Fh, Algorithm::Adaptive,
+        Algorithm::AdaptiveListing, Algorithm::Footprint, Algorithm::Table, Algorithm::Auto}) {
     for (const BoundsKind bounds : {BoundsKind::Sphere, BoundsKind::Aabb, BoundsKind::Obb, BoundsKind::Hybrid,
                                     BoundsKind::AabbThenObb}) {
       if (algorithm == Algorithm::None && bounds != BoundsKind::Obb) continue;
