@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/cull/bounds_view.h"
+#include "common/cull/footprint/footprint_culler.h"
 #include "common/cull/methods/adaptive.h"
 #include "common/cull/methods/adaptive_listing.h"
 #include "common/cull/methods/fh.h"
@@ -35,7 +36,7 @@ void run(const Context& context) {
     case Algorithm::Footprint:
     case Algorithm::Table:
     case Algorithm::Auto:
-      return cullAdaptive<View>(context);  // wherever there is no grid
+      break;  // not by planes
   }
 }
 
@@ -61,48 +62,113 @@ void runWithBounds(const Context& context) {
   }
 }
 
+/// Up to here a table of all leaves is faster than the tree.
+constexpr std::uint32_t kMostTableLeaves = 8'000;
+
+/// Footprints are of boxes.
+bool mayUseFootprints(const Options& options) {
+  const bool isNamed = options.algorithm == Algorithm::Footprint || options.algorithm == Algorithm::Table ||
+                       options.algorithm == Algorithm::Auto;
+  return isNamed && options.bounds != BoundsKind::Sphere && options.bounds != BoundsKind::AabbThenObb;
+}
+
 }  // namespace
 
 Culler::Culler(const ObjectHierarchy& scene, const Options& options)
     : scene_(&scene), options_(options), workspace_(std::make_unique<Workspace>()) {
   if (!check(options)) std::abort();
+  if (mayUseFootprints(options)) footprints_ = std::make_unique<FootprintCuller>(scene, options);
 }
 Culler::~Culler() = default;
 Culler::Culler(Culler&&) noexcept = default;
 Culler& Culler::operator=(Culler&&) noexcept = default;
 
+void Culler::pick(const FrustumHierarchy& frusta) {
+  picked_ = options_.algorithm;
+  const bool wantsFootprints =
+      picked_ == Algorithm::Footprint || picked_ == Algorithm::Table || picked_ == Algorithm::Auto;
+  if (!wantsFootprints) return;
+  if (!footprints_ || scene_->empty() || !FootprintCuller::suits(frusta)) {
+    picked_ = Algorithm::Adaptive;
+  } else if (picked_ == Algorithm::Auto) {
+    picked_ = scene_->leafCount() <= kMostTableLeaves ? Algorithm::Table : Algorithm::Footprint;
+  }
+}
+
 void Culler::cullByPlanes(const FrustumHierarchy& frusta) {
+  if (scene_->empty()) return;
+  Options options = options_;
+  options.algorithm = picked_;
+  const bool testsTiles = picked_ == Algorithm::Naive || picked_ == Algorithm::Oh;
+  workspace_->tester.beginFrame(*scene_, frusta, options.switches, testsTiles);
+  runWithBounds({*scene_, frusta, options, *workspace_});
+  finishLists(*workspace_);
+  for (const VisibleList& list : workspace_->result.lists)
+    workspace_->result.pairs += leafCount(list);
+}
+
+/// Culls to `result`, by what was picked.
+void Culler::listAll(const FrustumHierarchy& frusta) {
   Result& result = workspace_->result;
   result.lists.resize(frusta.tileCount());
   for (VisibleList& list : result.lists)
     list.clear();
   result.tests = {};
-  if (!scene_->empty()) {
-    const bool testsTiles = options_.algorithm == Algorithm::Naive || options_.algorithm == Algorithm::Oh;
-    workspace_->tester.beginFrame(*scene_, frusta, options_.switches, testsTiles);
-    runWithBounds({*scene_, frusta, options_, *workspace_});
-    finishLists(*workspace_);
-  }
   result.pairs = 0;
-  for (const VisibleList& list : result.lists)
-    result.pairs += leafCount(list);
+  if (picked_ == Algorithm::Table) {
+    footprints_->listByTable(*frusta.grid(), result);
+  } else if (picked_ == Algorithm::Footprint) {
+    footprints_->listByTree(*frusta.grid(), result);
+  } else {
+    cullByPlanes(frusta);
+  }
+  workspace_->tileCount = frusta.tileCount();
+  workspace_->holdsLists = true;
+  workspace_->holdsTable = picked_ == Algorithm::Table;
 }
 
 const Result& Culler::cull(const FrustumHierarchy& frusta) {
-  cullByPlanes(frusta);
+  pick(frusta);
+  listAll(frusta);
   return workspace_->result;
+}
+
+/// Makes `listsBefore` of what the last call left, whichever form that has.
+void Culler::listBeforeFrom(const FrustumHierarchy& frusta) {
+  Workspace& work = *workspace_;
+  if (work.tileCount != frusta.tileCount()) {
+    work.listsBefore.assign(frusta.tileCount(), {});
+  } else if (work.holdsLists) {
+    std::swap(work.result.lists, work.listsBefore);
+  } else {
+    work.listsBefore.resize(frusta.tileCount());
+    for (std::uint32_t tile = 0; tile < frusta.tileCount(); ++tile)
+      footprints_->listOf(tile, work.listsBefore[tile]);
+  }
 }
 
 const Changes& Culler::cullChanges(const FrustumHierarchy& frusta) {
   Workspace& work = *workspace_;
-  std::swap(work.result.lists, work.listsBefore);
-  if (work.listsBefore.size() != frusta.tileCount()) {
-    work.listsBefore.assign(frusta.tileCount(), {});
-  }
-  cullByPlanes(frusta);
   Changes& changes = work.changes;
+  pick(frusta);
+  changes.tests = {};
   changes.toggled.resize(frusta.tileCount());
+  for (VisibleList& list : changes.toggled)
+    list.clear();
+  const bool isNew = work.tileCount != frusta.tileCount();
+  if (picked_ == Algorithm::Table && footprints_->tableFits(*frusta.grid()) && !isNew && work.holdsTable) {
+    if (work.holdsLists) {
+      for (std::uint32_t tile = 0; tile < frusta.tileCount(); ++tile)
+        changes.leafCounts[tile] = static_cast<std::uint32_t>(leafCount(work.result.lists[tile]));
+      changes.pairs = work.result.pairs;
+    }
+    footprints_->changesByTable(*frusta.grid(), changes);
+    work.holdsLists = false;
+    return changes;
+  }
   changes.leafCounts.resize(frusta.tileCount());
+  listBeforeFrom(frusta);
+  listAll(frusta);
   for (std::uint32_t tile = 0; tile < frusta.tileCount(); ++tile) {
     symmetricDifferenceInto(work.listsBefore[tile], work.result.lists[tile], changes.toggled[tile]);
     changes.leafCounts[tile] = static_cast<std::uint32_t>(leafCount(work.result.lists[tile]));
@@ -113,7 +179,11 @@ const Changes& Culler::cullChanges(const FrustumHierarchy& frusta) {
 }
 
 void Culler::listOf(std::uint32_t tile, VisibleList& out) const {
-  out = workspace_->result.lists[tile];
+  if (workspace_->holdsLists) {
+    out = workspace_->result.lists[tile];
+  } else {
+    footprints_->listOf(tile, out);
+  }
 }
 
 }  // namespace tessera::cull

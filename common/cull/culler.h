@@ -10,6 +10,7 @@
 namespace tessera::cull {
 
 struct Workspace;
+class FootprintCuller;
 
 /// Culls one scene, frame after frame. Every algorithm is conservative: a leaf with a triangle that meets a
 /// tile's closed frustum is in that tile's list (BoundedPlane has the proof for floating point). Lists may
@@ -41,12 +42,16 @@ class Culler {
   [[nodiscard]] Algorithm picked() const { return picked_; }
 
  private:
+  void pick(const FrustumHierarchy& frusta);
+  void listBeforeFrom(const FrustumHierarchy& frusta);
+  void listAll(const FrustumHierarchy& frusta);
   void cullByPlanes(const FrustumHierarchy& frusta);
 
   const ObjectHierarchy* scene_;
   Options options_;
   Algorithm picked_ = options_.algorithm;
   std::unique_ptr<Workspace> workspace_;
+  std::unique_ptr<FootprintCuller> footprints_;  ///< of the algorithms that need it
 };
 
 }  // namespace tessera::cull

@@ -76,6 +76,10 @@ Status check(const Options& options) {
   if (s.regroup && options.algorithm != Algorithm::Adaptive) {
     return inputError("--regroup", "is a variant of the adaptive algorithm", "add --algorithm adaptive");
   }
+  const bool isFootprint = options.algorithm == Algorithm::Footprint || options.algorithm == Algorithm::Table;
+  if (isFootprint && (options.bounds == BoundsKind::Sphere || options.bounds == BoundsKind::AabbThenObb)) {
+    return inputError("--bounds", "footprints are of boxes", "choose --bounds aabb, obb or hybrid");
+  }
   return Done{};
 }
 

@@ -36,6 +36,9 @@ struct Workspace {
   Result result;
   Changes changes;
   std::vector<VisibleList> listsBefore;  ///< of the call before, where changes are asked for
+  std::uint32_t tileCount = 0;           ///< of the call before
+  bool holdsLists = false;               ///< `result` has that call's lists
+  bool holdsTable = false;               ///< the table of footprints has them
   PlaneTester tester;
   std::vector<Task> tasks;
   std::vector<std::uint32_t> frustumStack;

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/geometry/bounded_plane.h"
+#include "common/hierarchy/grid_coordinates.h"
 
 namespace tessera {
 
@@ -56,6 +58,8 @@ class FrustumHierarchy {
   /// Holds all tiles. May have no planes, where the tiles surround the eye.
   [[nodiscard]] const FrustumPlanes& primary() const { return primary_; }
   [[nodiscard]] const FrustumPlanes& tile(std::uint32_t tile) const { return tiles_[tile]; }
+  /// Where the tiles are a uniform grid and nothing stands against them.
+  [[nodiscard]] const std::optional<GridCoordinates>& grid() const { return grid_; }
 
  protected:
   FrustumHierarchy() = default;
@@ -69,6 +73,7 @@ class FrustumHierarchy {
   std::vector<BoundedPlane> bisections_;
   std::vector<FrustumPlanes> tiles_;
   FrustumPlanes primary_;
+  std::optional<GridCoordinates> grid_;
 };
 
 }  // namespace tessera

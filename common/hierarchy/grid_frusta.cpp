@@ -55,6 +55,7 @@ void GridFrusta::build() {
 
 void GridFrusta::update(const Frustum& wall, std::span<const Frustum> tiles) {
   eye_ = wall.eye;
+  grid_ = GridCoordinates::of(wall, tiles, columns_, rows_);
   TileCone whole(wall, std::nullopt);
   double axisError = whole.axisError;
   minDepth_ = std::numeric_limits<double>::infinity();

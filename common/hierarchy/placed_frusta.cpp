@@ -39,6 +39,7 @@ void PlacedFrusta::update(const FrustumHierarchy& world, const Mat4& modelToWorl
   const Mat3 linear = modelToWorld.topLeftCorner<3, 3>();
   const Vec3 offset = modelToWorld.topRightCorner<3, 1>() - world.eye();
   eye_ = Vec3::Zero();
+  grid_.reset();  // its functionals are exact in the world alone
   place(primary_, linear, offset);
   for (FrustumPlanes& tile : tiles_)
     place(tile, linear, offset);

@@ -119,6 +119,8 @@ std::vector<Candidate> allCandidates() {
       Named{"sphere-first", {.sphereFirst = true}},
       Named{"motion-coherence", {.motionCoherence = true}},
       Named{"regroup", {.regroup = true, .regroupFrom = 2}},
+      Named{"no-refine", {.refine = false}},
+      Named{"coherent", {.coherent = cull::Reuse::Always}},
       Named{"all",
             {.planeCoherency = true, .octantTest = true, .sphereFirst = true, .motionCoherence = true}},
       Named{"all with sign-table",

@@ -1,0 +1,137 @@
+#include "common/cull/footprint/tree_walk.h"
+
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
+
+#include "common/cull/footprint/outline.h"
+#include "common/cull/footprint/range_lists.h"
+
+namespace tessera::cull {
+
+namespace {
+
+/// A single tree's walk, in the order of the leaves.
+class Walk {
+ public:
+  Walk(const ObjectHierarchy& oh, const BoxTree& tree, const GridCoordinates& grid, bool refines,
+       std::vector<VisibleList>& lists)
+      : tree_(tree),
+        kernels_(kernels()),
+        leafFrame_(KernelFrame::forLeaves(grid, tree.scale())),
+        nodeFrame_(KernelFrame::forNodes(grid, tree.scale())),
+        outliner_(oh, tree, grid, refines),
+        lists_(lists, grid.columns) {}
+
+  /// The nodes of one block of a level; at most 11 levels deep.
+  void openNodes(std::size_t level, std::uint32_t block) {
+    ++blocks_;
+    NodeFootprints found;
+    kernels_.nodes(nodeFrame_, tree_.levels()[level].blocks[block], found);
+    const std::uint32_t first = static_cast<std::uint32_t>(block * kLanes);
+    const std::uint32_t end = std::min<std::uint32_t>(kLanes, tree_.levels()[level].nodeCount - first);
+    for (std::uint32_t lane = 0; lane < end; ++lane) {
+      const std::uint32_t bit = 1U << lane;
+      if (found.contained & bit) {
+        lists_.add(leavesBelow(level, first + lane), unpack(found.rects[lane]));
+      } else if (found.rects[lane] != kNoTiles || (found.unknown & bit)) {
+        open(level, first + lane);
+      }
+    }
+  }
+  /// What is below a node of a level.
+  void open(std::size_t level, std::uint32_t node) {
+    if (level > 0) {
+      openNodes(level - 1, node);
+    } else {
+      openLeaves(node);
+    }
+  }
+  void openLeaves(std::uint32_t block) {
+    ++blocks_;
+    TileRect rects[kLanes];
+    BlockLanes lanes;
+    kernels_.leaves(leafFrame_, &tree_.leaves()[block], 1, rects, &lanes);
+    const std::uint32_t first = static_cast<std::uint32_t>(block * kLanes);
+    std::uint32_t next = 0;
+    const auto listUpTo = [&](std::uint32_t lane) {
+      for (; next < lane; ++next) {
+        if (rects[next] != kNoTiles) lists_.add({first + next, first + next + 1}, unpack(rects[next]));
+      }
+    };
+    outliner_.finish(block, lanes, rects, [&](std::uint32_t lane, std::span<const ColumnSpan> spans) {
+      listUpTo(lane);
+      lists_.add({first + lane, first + lane + 1}, unpack(rects[lane]), spans);
+      next = lane + 1;
+    });
+    listUpTo(std::min<std::uint32_t>(kLanes, tree_.leafCount() - first));
+  }
+
+  [[nodiscard]] std::uint64_t pairs() const { return lists_.pairs(); }
+  [[nodiscard]] std::uint64_t blocks() const { return blocks_; }
+
+ private:
+  [[nodiscard]] LeafRange leavesBelow(std::size_t level, std::uint32_t node) const {
+    std::uint64_t leaves = kLanes;
+    for (std::size_t i = 0; i < level; ++i)
+      leaves *= kLanes;
+    return {static_cast<std::uint32_t>(node * leaves),
+            static_cast<std::uint32_t>(std::min<std::uint64_t>((node + 1) * leaves, tree_.leafCount()))};
+  }
+
+  const BoxTree& tree_;
+  const Kernels& kernels_;
+  KernelFrame leafFrame_, nodeFrame_;
+  Outliner outliner_;
+  RangeLists lists_;
+  std::uint64_t blocks_ = 0;
+};
+
+}  // namespace
+
+void TreeWalk::list(const ObjectHierarchy& oh, const BoxTree& tree, const GridCoordinates& grid, bool refines,
+                    unsigned threads, Result& result) {
+  const auto& levels = tree.levels();
+  // A level with enough nodes to share out evenly.
+  std::size_t level = levels.size();
+  while (level > 0 && levels[level - 1].nodeCount < 16 * threads)
+    --level;
+  if (threads < 2 || level == 0) {
+    Walk walk(oh, tree, grid, refines, result.lists);
+    if (levels.empty()) {
+      walk.openLeaves(0);
+    } else {
+      walk.openNodes(levels.size() - 1, 0);
+    }
+    result.pairs = walk.pairs();
+    result.tests.nodes = walk.blocks();
+    return;
+  }
+  const std::size_t blocks = levels[level - 1].blocks.size();
+  const std::size_t partCount = std::min<std::size_t>(blocks, 8 * threads);
+  parts_.resize(partCount);
+  tbb::parallel_for(std::size_t{0}, partCount, [&](std::size_t i) {
+    Part& part = parts_[i];
+    part.lists.resize(result.lists.size());
+    for (VisibleList& list : part.lists)
+      list.clear();
+    Walk walk(oh, tree, grid, refines, part.lists);
+    for (std::size_t block = blocks * i / partCount; block < blocks * (i + 1) / partCount; ++block)
+      walk.openNodes(level - 1, static_cast<std::uint32_t>(block));
+    part.pairs = walk.pairs();
+    part.blocks = walk.blocks();
+  });
+  for (const Part& part : parts_) {
+    result.pairs += part.pairs;
+    result.tests.nodes += part.blocks;
+    for (std::size_t tile = 0; tile < result.lists.size(); ++tile) {
+      VisibleList& list = result.lists[tile];
+      const VisibleList& more = part.lists[tile];
+      if (more.empty()) continue;
+      appendRange(list, more.front());
+      list.insert(list.end(), more.begin() + 1, more.end());
+    }
+  }
+}
+
+}  // namespace tessera::cull
