@@ -153,8 +153,7 @@ const Changes& Culler::cullChanges(const FrustumHierarchy& frusta) {
   pick(frusta);
   changes.tests = {};
   changes.toggled.resize(frusta.tileCount());
-  for (VisibleList& list : changes.toggled)
-    list.clear();
+  changes.leafCounts.resize(frusta.tileCount());
   const bool isNew = work.tileCount != frusta.tileCount();
   if (picked_ == Algorithm::Table && footprints_->tableFits(*frusta.grid()) && !isNew && work.holdsTable) {
     if (work.holdsLists) {
@@ -166,7 +165,6 @@ const Changes& Culler::cullChanges(const FrustumHierarchy& frusta) {
     work.holdsLists = false;
     return changes;
   }
-  changes.leafCounts.resize(frusta.tileCount());
   listBeforeFrom(frusta);
   listAll(frusta);
   for (std::uint32_t tile = 0; tile < frusta.tileCount(); ++tile) {

@@ -11,8 +11,9 @@ namespace tessera::cull {
 struct TestCounts {
   std::uint64_t sphere = 0, aabb = 0, obb = 0;  ///< bound-plane classifications
   std::uint64_t primary = 0, bisection = 0,
-                tile = 0;          ///< bounds against whose planes; a "first, then" is one
-  std::uint64_t nodes = 0;         ///< (node, frustum) visits; of footprints: blocks of boxes looked at
+                tile = 0;  ///< bounds against whose planes; a "first, then" is one
+  std::uint64_t nodes =
+      0;  ///< (node, frustum) visits; of footprints: blocks of boxes, or leaves of the table
   std::uint64_t remembered = 0;    ///< rejections by a remembered distance, without a test
   std::uint64_t octantSpared = 0;  ///< planes left out by the octant test
   std::uint64_t groups = 0;        ///< pseudo-groups formed

@@ -18,12 +18,13 @@ namespace tessera {
 /// error. What their rounding, and that of the tiles' corners, does to the tiles' borders is measured.
 /// Derivation: a tile whose corners lie within 1/64 of their places in these coordinates is convex and before
 /// the eye, so its frustum is the cone of its corners' rays: p = sum l_i k_i, l_i >= 0. With `low` at most
-/// (x - jz)/z of each of its corners k_i, x(p) - (j + low) z(p) = sum l_i (x_i - (j + low) z_i) >= 0; likewise
-/// for the other sides.
+/// (x - jz)/z of each of its corners k_i, x(p) - (j + low) z(p) = sum l_i (x_i - (j + low) z_i) >= 0;
+/// likewise for the other sides.
 struct GridCoordinates {
   std::array<float, 3> column = {}, row = {}, depth = {};  ///< the largest component of depth is in [1/2, 1]
   int columns = 0, rows = 0;
-  /// Tile (c, r) is certainly within x/z of [c + columnLow, c + columnHigh], y/z of [r + rowLow, r + rowHigh].
+  /// Tile (c, r) is certainly within x/z of [c + columnLow, c + columnHigh], y/z of [r + rowLow, r +
+  /// rowHigh].
   double columnLow = 0, columnHigh = 1, rowLow = 0, rowHigh = 1;
   /// Where the tiles end in depth: points p of a tile have z + depthError |p| >= nearDepth and
   /// z - depthError |p| <= farDepth, whichever three corners of the tile define its normal. 0 and infinity

@@ -12,14 +12,23 @@
 namespace tessera::cull {
 
 /// Boxes are kept in blocks of so many, component by component, as vector instructions read them.
-inline constexpr std::size_t kLanes = 8;
+inline constexpr std::size_t kLanes = 16;
 
 /// Oriented boxes: the leaves. Half-axes are scaled by BoxTree::scale() and rounded to nearest.
 struct alignas(64) OrientedBlock {
   double center[3][kLanes];
-  float half[9][kLanes];   ///< x, y, z of the first half-axis, then of the others
-  float extent[kLanes];    ///< at least the sum of the half-axes' components, and at least 2^-96
+  float half[9][kLanes];  ///< x, y, z of the first half-axis, then of the others
+  float extent[kLanes];   ///< at least the sum of the half-axes' components, and at least 2^-96
 };
+
+/// Copies one lane.
+inline void copyLane(const OrientedBlock& from, std::size_t fromLane, OrientedBlock& to, std::size_t toLane) {
+  for (std::size_t i = 0; i < 3; ++i)
+    to.center[i][toLane] = from.center[i][fromLane];
+  for (std::size_t i = 0; i < 9; ++i)
+    to.half[i][toLane] = from.half[i][fromLane];
+  to.extent[toLane] = from.extent[fromLane];
+}
 
 /// Axis-aligned boxes: the inner nodes. Half-extents are scaled and rounded up, past the centre's rounding.
 struct alignas(64) AlignedBlock {
@@ -27,9 +36,9 @@ struct alignas(64) AlignedBlock {
   float half[3][kLanes];
 };
 
-/// The boxes of a scene's leaves in blocks of 8 and, over them, an implicit 8-ary tree: node i of a level
-/// holds nodes 8i to 8i + 7 of the level below, or the leaves of block i. As leaf ids count in pre-order, what
-/// is near in the scene graph is near in the tree, and the leaves below a node are one range.
+/// The boxes of a scene's leaves in blocks of 16 and, over them, an implicit 16-ary tree: node i of a level
+/// holds nodes 16i to 16i + 15 of the level below, or the leaves of block i. As leaf ids count in pre-order,
+/// what is near in the scene graph is near in the tree, and the leaves below a node are one range.
 class BoxTree {
  public:
   /// Sphere and AabbThenObb bounds are refused by check().

@@ -156,12 +156,13 @@ bool ClippedFootprint::spans(const TileCells& rect, std::span<ColumnSpan> spans)
     const double low = row + grid_->rowLow - 2 * ySlack_, high = row + grid_->rowHigh + 2 * ySlack_;
     double least = kInfinity, most = -kInfinity;
     for (std::size_t e = 0; e < edgeCount_; ++e) {
-      const Point &a = edges_[e].a.y <= edges_[e].b.y ? edges_[e].a : edges_[e].b;
-      const Point &b = edges_[e].a.y <= edges_[e].b.y ? edges_[e].b : edges_[e].a;
+      const Point& a = edges_[e].a.y <= edges_[e].b.y ? edges_[e].a : edges_[e].b;
+      const Point& b = edges_[e].a.y <= edges_[e].b.y ? edges_[e].b : edges_[e].a;
       if (b.y < low || a.y > high) continue;
       const bool isFlat = b.y - a.y <= 4 * ySlack_;
       const auto at = [&](double y) { return a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)); };
-      const double first = isFlat || a.y >= low ? a.x : at(low), second = isFlat || b.y <= high ? b.x : at(high);
+      const double first = isFlat || a.y >= low ? a.x : at(low),
+                   second = isFlat || b.y <= high ? b.x : at(high);
       least = std::min({least, first, second});
       most = std::max({most, first, second});
     }
@@ -169,9 +170,9 @@ bool ClippedFootprint::spans(const TileCells& rect, std::span<ColumnSpan> spans)
         cellsOf(least - xSlack_, most + xSlack_, grid_->columnLow, grid_->columnHigh, grid_->columns);
     const int firstColumn = std::max(first, rect.firstColumn), lastColumn = std::min(last, rect.lastColumn);
     ColumnSpan& span = spans[static_cast<std::size_t>(row - rect.firstRow)];
-    span = firstColumn <= lastColumn ? ColumnSpan{static_cast<std::uint8_t>(firstColumn),
-                                                  static_cast<std::uint8_t>(lastColumn)}
-                                     : ColumnSpan{};
+    span = firstColumn <= lastColumn
+               ? ColumnSpan{static_cast<std::uint8_t>(firstColumn), static_cast<std::uint8_t>(lastColumn)}
+               : ColumnSpan{};
     sparesAny = sparesAny || firstColumn != rect.firstColumn || lastColumn != rect.lastColumn;
   }
   return sparesAny;

@@ -30,6 +30,7 @@ bool FootprintCuller::suits(const FrustumHierarchy& frusta) {
 void FootprintCuller::prepare() {
   if (isBuilt_ && revision_ == oh_->revision()) return;
   tree_.build(*oh_, options_.bounds);
+  table_.boxesChanged();
   revision_ = oh_->revision();
   isBuilt_ = true;
 }
@@ -48,7 +49,7 @@ void FootprintCuller::updateTable(const GridCoordinates& grid) {
   prepare();
   if (!hasTable_ || !table_.fits(tree_, grid)) table_.reset(tree_, grid);
   hasTable_ = true;
-  table_.update(*oh_, tree_, grid, options_.switches.refine, threads());
+  table_.update(*oh_, tree_, grid, options_.switches.refine, options_.switches.coherent, threads());
 }
 
 void FootprintCuller::listByTable(const GridCoordinates& grid, Result& result) {

@@ -11,8 +11,8 @@
 
 namespace tessera::cull {
 
-/// Culls by footprints on a uniform grid of tiles: for a grid that one eye sees, the tiles that a box may meet
-/// are an interval of columns times one of rows. Table and tree give the same lists.
+/// Culls by footprints on a uniform grid of tiles: for a grid that one eye sees, the tiles that a box may
+/// meet are an interval of columns times one of rows. Table and tree give the same lists.
 class FootprintCuller {
  public:
   FootprintCuller(const ObjectHierarchy& oh, const Options& options);

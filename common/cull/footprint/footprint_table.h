@@ -4,10 +4,27 @@
 #include <vector>
 
 #include "common/cull/footprint/box_blocks.h"
+#include "common/cull/footprint/camera_drift.h"
 #include "common/cull/footprint/kernels.h"
+#include "common/cull/footprint/range_lists.h"
 #include "common/cull/result.h"
 
 namespace tessera::cull {
+
+/// Tells from what it spared whether reuse pays, for Reuse::Measured. It counts leaves, not time, so that
+/// runs repeat; the lists are the same either way.
+class ReuseJudge {
+ public:
+  /// Whether the next frame is to be certified.
+  [[nodiscard]] bool wants() const { return pause_ == 0; }
+  /// After a frame that was, and could spare: how many of how many leaves were looked at all the same.
+  void certified(std::uint64_t looked, std::uint64_t all);
+  /// After a frame that was not.
+  void skipped() { pause_ -= pause_ > 0 ? 1 : 0; }
+
+ private:
+  unsigned pause_ = 0, nextPause_ = 8;
+};
 
 /// The footprints of all leaves of the last frame, one packed rectangle each (Algorithm::Table), and what the
 /// next frame changes in them.
@@ -20,16 +37,19 @@ class FootprintTable {
     return leafCount_ == tree.leafCount() && columns_ == grid.columns && rows_ == grid.rows;
   }
 
-  /// Moves the table to this frame. `threads` >= 1.
+  /// Moves the table to this frame. `threads` >= 1. `reuse`: blocks whose footprints certainly hold are left
+  /// as they are; the table is the same.
   void update(const ObjectHierarchy& oh, const BoxTree& tree, const GridCoordinates& grid, bool refines,
-              unsigned threads);
+              Reuse reuse, unsigned threads);
+  /// Boxes have changed: nothing certainly holds.
+  void boxesChanged() { certifies_ = false; }
 
-  /// Writes the lists out. `result.lists` has a list for each tile, all empty.
-  void list(Result& result) const;
+  /// Writes the lists out, and the counts of leaves looked at and of pairs.
+  void list(Result& result);
   /// One tile's list.
   void list(std::uint32_t tile, VisibleList& out) const;
-  /// What the last update changed. `changes` has counts of the frame before, and empty lists.
-  void changes(Changes& changes) const;
+  /// What the last update changed. `changes` has counts of the frame before.
+  void changes(Changes& changes);
 
  private:
   /// A footprint that the last update changed, as it was.
@@ -42,21 +62,29 @@ class FootprintTable {
   struct Chunk {
     std::vector<Changed> changed;
     std::vector<ColumnSpan> spansBefore;
-    std::vector<ColumnSpan> spans;         ///< slots of `rows` spans each
+    std::vector<ColumnSpan> spans;  ///< slots of `rows` spans each
     std::vector<std::uint32_t> freeSlots;
-    std::uint64_t blocks = 0;              ///< looked at in the last update
+    std::uint64_t leaves = 0;  ///< looked at in the last update
   };
   class Updater;
 
-  [[nodiscard]] std::uint64_t blocksLookedAt() const;
+  /// Counts the camera's drift from here.
+  void rebase();
+  [[nodiscard]] std::uint64_t leavesLookedAt() const;
   [[nodiscard]] const ColumnSpan* spansOf(std::uint32_t leaf) const;
 
-  static constexpr std::size_t kChunkBlocks = 512;
+  static constexpr std::size_t kChunkBlocks = 256;
   std::uint32_t leafCount_ = 0;
   int columns_ = 0, rows_ = 0;
-  std::vector<TileRect> rects_;      ///< by leaf, filled up to whole blocks
+  std::vector<TileRect> rects_;       ///< by leaf, filled up to whole blocks
   std::vector<std::uint32_t> slots_;  ///< by leaf, of its chunk; of those with spans
   std::vector<Chunk> chunks_;
+  RangeLists lists_;
+
+  std::vector<BlockExpiry> expiries_;
+  CameraDrift drift_;
+  ReuseJudge judge_;
+  bool certifies_ = false;  ///< the expiries are of the last frame
 };
 
 }  // namespace tessera::cull

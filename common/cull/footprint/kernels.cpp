@@ -51,7 +51,7 @@ constexpr std::array kTargets = {Target{"avx512", HWY_AVX3}, Target{"avx2", HWY_
 /// What this program has and this machine can run.
 std::int64_t available() {
   static const std::int64_t targets = hwy::SupportedTargets() & (HWY_TARGETS);
-  return targets | ((HWY_TARGETS) & HWY_SCALAR);
+  return targets | ((HWY_TARGETS)&HWY_SCALAR);
 }
 
 Kernels choose(std::string_view name) {
@@ -106,20 +106,23 @@ KernelFrame KernelFrame::make(const GridCoordinates& grid, double scale, double 
   const double fx = largest(grid.column), fy = largest(grid.row), fz = largest(grid.depth);
   frame.columnError = up(errors * u * (8 * fx + 16 * (grid.columns + 2) * fz));
   frame.rowError = up(errors * u * (8 * fy + 16 * (grid.rows + 2) * fz));
-  frame.frontError = up(64 * errors * u * fz);
+  frame.frontError = up(256 * errors * u * fz);
   frame.depthError = up(errors * (8 * u * fz + grid.depthError));
   // 2^11: a leaf before the eye is taken where zmin >= zmax / 1024, and its error is relative to zmin.
-  frame.sideError = up(0x1p11 * errors * u * (8 * std::max(fx, fy) + 16 * (std::max(grid.columns, grid.rows) + 2) * fz));
+  frame.sideError =
+      up(0x1p11 * errors * u * (8 * std::max(fx, fy) + 16 * (std::max(grid.columns, grid.rows) + 2) * fz));
   const bool isLeaf = errors <= 1;  // what a node decides, its leaves decide
   frame.depthRatio = isLeaf ? 0x1p-10F : 0x1p-9F;
-  frame.mostSize = isLeaf ? 0x1p60F : 0x1p59F;
-  frame.leastDepth = isLeaf ? 0x1p-80F : 0x1p-79F;
+  frame.mostSize = isLeaf ? 0x1p50F : 0x1p49F;
+  frame.leastDepth = isLeaf ? 0x1p-50F : 0x1p-49F;
   frame.near = down(grid.nearDepth * scale);
   frame.far = up(grid.farDepth * scale);
   frame.columnLow = down(grid.columnLow);
   frame.columnHigh = up(grid.columnHigh);
   frame.rowLow = down(grid.rowLow);
   frame.rowHigh = up(grid.rowHigh);
+  frame.valueError = std::max(frame.columnError, frame.rowError);
+  frame.farError = up(32 * errors * u * fz);
   frame.lastColumn = static_cast<float>(grid.columns - 1);
   frame.lastRow = static_cast<float>(grid.rows - 1);
   return frame;

@@ -20,11 +20,19 @@
 // stored); a product and two sums by 3u of the absolute terms; the corner's three sums by 3u more: 7u F m,
 // 8u F m is kept, which also covers the rounding of m itself; extent's 2^-96 covers underflow.
 //   A tile's border at column b (|b| <= n + 1) is met or passed by a corner with x >= bz; computed, x >= bz -
-// (8u Fx m + (n + 1) 8u Fz m), so x/z >= b - (8u Fx + 8u (n + 1) Fz) m / z. The reciprocal, the product and
-// the last sums err by 5u (n + 2) for quotients up to the border, and order is kept beyond it. As z <= Fz m
-// (1 + 8u), m / zmin >= (1 - 8u) / Fz, so that is below 8u (n + 2) Fz m / zmin as well. Together:
+// (8u Fx m + (n + 1) 8u Fz m), so x/z >= b - (8u Fx + 8u (n + 1) Fz) m / z. The reciprocal (shared by two
+// corners), the product and the last sums err by 7u (n + 2) for quotients up to the border, and order is kept
+// beyond it. As z <= Fz m (1 + 8u), that is below 8u (n + 2) Fz m / zmin as well. Together:
 //
 //   error = (8u Fx + 16u (n + 2) Fz) m / zmin
+//
+// zmin itself is taken from a box only where it is above 256u Fz m, so it is right to 3 %, which the 8u
+// cover.
+//
+// An outline is the union of the box's 12 edges between the projected corners. Far off the wall a quotient q
+// errs by 8u Fz |q| m / zmin more and the point at which an edge crosses a row's border by 8u |q|; a rounding
+// of y is a crossing with a line beside the one that is meant, so rows are widened by twice the error. With
+// 32u Fz |q| m / zmin both are covered.
 //
 // The same operations in the same order are IEEE arithmetic on every instruction set (no fused
 // multiply-add, no approximate reciprocal), so all give the same rectangles.
@@ -47,6 +55,8 @@ struct KernelFrame {
   float depthRatio, mostSize, leastDepth;
   float near, far;
   float columnLow, columnHigh, rowLow, rowHigh;
+  float valueError;  ///< times m: of x - bz and y - bz
+  float farError;    ///< times m / zmin and the largest quotient: of corners and edges far off the wall
   float lastColumn, lastRow;  ///< the largest column and row
 
   static KernelFrame forLeaves(const GridCoordinates& grid, double scale) { return make(grid, scale, 1); }
@@ -65,16 +75,29 @@ struct NodeFootprints {
 
 /// Which boxes of a block need more.
 struct BlockLanes {
-  std::uint8_t open = 0;  ///< mask: neither a rectangle nor certainly outside; the rectangle is kNoTiles
-  std::uint8_t wide = 0;  ///< mask: the rectangle has at least two rows and columns and kLeastRefined tiles
+  std::uint16_t open = 0;  ///< mask: neither a rectangle nor certainly outside; the rectangle is kNoTiles
+  std::uint16_t wide = 0;  ///< mask: the rectangle has at least two rows and columns and kLeastRefined tiles
 };
 /// Below that many tiles an outline spares too little.
-inline constexpr int kLeastRefined = 6;
+inline constexpr int kLeastRefined = 9;
 
-/// How long a block's rectangles hold: while the camera's turn times `reach` plus its travel stay below
-/// `margin` (CameraDrift). In scaled lengths.
-struct BlockCertificate {
-  float margin, reach;
+/// Certificates hold for borders of the tiles that lie within this of their places, in tiles.
+inline constexpr float kBorderSlack = 0x1p-13F;
+
+/// What floats may round off where an expiry is made and checked, times reach + 1: a few roundings of at most
+/// reach * turn + travel, which are kept below 8.
+inline constexpr float kCheckRounding = 0x1p-17F;
+
+/// How far the camera has drifted in columns and rows (CameraDrift), rounded up.
+struct KernelDrift {
+  float columnTurn, columnTravel, rowTurn, rowTravel;
+};
+
+/// How long the rectangles of a block hold, by lane: while reach * turn + travel is below `columnUntil` and
+/// `rowUntil`, with turn and travel of the columns and of the rows. In scaled lengths; -infinity of a lane
+/// left open.
+struct alignas(64) BlockExpiry {
+  float columnUntil[kLanes], rowUntil[kLanes], reach[kLanes];
 };
 
 /// One instruction set's kernels.
@@ -82,10 +105,17 @@ struct Kernels {
   /// Rectangles of `count` blocks of leaves to rects[count * kLanes].
   void (*leaves)(const KernelFrame&, const OrientedBlock* blocks, std::size_t count, TileRect* rects,
                  BlockLanes* lanes);
-  /// The same and certificates, one for each block; margin 0 where a lane is left open.
-  void (*leavesCertified)(const KernelFrame&, const OrientedBlock* blocks, std::size_t count,
-                          TileRect* rects, BlockLanes* lanes, BlockCertificate* certificates);
+  /// The same, and how long they hold.
+  void (*leavesCertified)(const KernelFrame&, const OrientedBlock* blocks, std::size_t count, TileRect* rects,
+                          BlockLanes* lanes, const KernelDrift& drift, BlockExpiry* expiries);
+  /// Masks of the lanes that hold no longer, one for each block.
+  void (*expired)(const BlockExpiry* blocks, std::size_t count, const KernelDrift& drift,
+                  std::uint16_t* masks);
   void (*nodes)(const KernelFrame&, const AlignedBlock& block, NodeFootprints& out);
+  /// The columns that the outline of one leaf's box covers in each row of its rectangle `cells`, which
+  /// `leaves` found. False where that is the whole rectangle.
+  bool (*spans)(const KernelFrame&, const OrientedBlock& block, std::size_t lane, const TileCells& cells,
+                ColumnSpan* spans);
 };
 
 /// Of the best instruction set here, or of the one that TESSERA_SIMD or chooseInstructionSet names.

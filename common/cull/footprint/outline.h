@@ -17,30 +17,26 @@ namespace tessera::cull {
 class Outliner {
  public:
   Outliner(const ObjectHierarchy& oh, const BoxTree& tree, const GridCoordinates& grid, bool refines)
-      : oh_(&oh), tree_(&tree), clipped_(grid), refines_(refines) {}
+      : oh_(&oh),
+        tree_(&tree),
+        frame_(KernelFrame::forLeaves(grid, tree.scale())),
+        clipped_(grid),
+        refines_(refines) {}
 
-  /// `lanes` of block `block`, whose rectangles are rects[0..kLanes); calls `refined(lane, spans)` for those
-  /// with spans, in order, after their rectangle was marked with kSpansFlag. Spans are one for each row.
+  /// `rects` are those of so many leaves, `lanes` what a kernel says of them; calls `refined(lane, spans)`
+  /// for those with spans, in order, after their rectangle was marked with kSpansFlag. Spans are one for each
+  /// row.
   template <class Refined>
-  void finish(std::uint32_t block, BlockLanes lanes, TileRect* rects, Refined refined) {
+  void finish(std::span<const std::uint32_t> leaves, BlockLanes lanes, TileRect* rects, Refined refined) {
     std::uint32_t left = lanes.open | (refines_ ? lanes.wide : 0U);
-    while (left != 0) {
+    for (; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-      left &= left - 1;
-      const auto leaf = static_cast<std::uint32_t>(block * kLanes + lane);
-      if (leaf >= tree_->leafCount()) continue;
-      const TileCells exact = clipped_.rectOf(tree_->boxOf(*oh_, leaf));
-      TileCells cells = unpack(rects[lane]);
-      if ((lanes.open >> lane) & 1) {
-        cells = exact;
-        rects[lane] = pack(cells);
-      }
-      if (!refines_ || !isWide(cells)) continue;
-      const std::span<ColumnSpan> spans(spans_.data(),
-                                        static_cast<std::size_t>(cells.lastRow - cells.firstRow + 1));
-      if (!clipped_.spans(cells, spans)) continue;
+      if (lane >= leaves.size()) break;
+      if (!outline(leaves[lane], (lanes.open >> lane) & 1, rects[lane])) continue;
+      const TileCells cells = unpack(rects[lane]);
       rects[lane] |= kSpansFlag;
-      refined(lane, spans);
+      refined(lane, std::span<const ColumnSpan>(
+                        spans_.data(), static_cast<std::size_t>(cells.lastRow - cells.firstRow + 1)));
     }
   }
 
@@ -50,8 +46,20 @@ class Outliner {
     return columns >= 2 && rows >= 2 && columns * rows >= kLeastRefined;
   }
 
+  /// Finds an open leaf's rectangle, and the spans where they are worth it: true.
+  bool outline(std::uint32_t leaf, bool isOpen, TileRect& rect) {
+    if (!isOpen) {
+      return kernels().spans(frame_, tree_->leaves()[leaf / kLanes], leaf % kLanes, unpack(rect),
+                             spans_.data());
+    }
+    const TileCells cells = clipped_.rectOf(tree_->boxOf(*oh_, leaf));
+    rect = pack(cells);
+    return refines_ && isWide(cells) && clipped_.spans(cells, spans_);
+  }
+
   const ObjectHierarchy* oh_;
   const BoxTree* tree_;
+  KernelFrame frame_;
   ClippedFootprint clipped_;
   bool refines_;
   std::array<ColumnSpan, kMostCells + 1> spans_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,11 +10,13 @@
 
 namespace tessera::cull {
 
-/// Writes footprints out as the visible lists of tiles. Leaves come in ascending order.
+/// Writes leaves down as the canonical lists of many tiles at once; for each tile they come in ascending
+/// order. Whether a leaf goes on with a range or starts one is a coin's toss, so that is decided without a
+/// branch.
 class RangeLists {
  public:
-  /// `lists` has columns * rows lists, all empty.
-  RangeLists(std::vector<VisibleList>& lists, int columns) : lists_(lists.data()), columns_(columns) {}
+  /// All empty. Memory is kept from call to call.
+  void begin(int columns, int rows);
 
   void add(LeafRange leaves, const TileCells& cells) {
     for (int row = cells.firstRow; row <= cells.lastRow; ++row)
@@ -25,20 +28,44 @@ class RangeLists {
       addRow(leaves, row, span.first, span.last);
     }
   }
+  void add(LeafRange leaves, std::size_t tile) {
+    Tile& t = tiles_[tile];
+    LeafRange* range = t.last;
+    const bool opens = range->last != leaves.first;
+    range += opens;
+    range->first = opens ? leaves.first : range->first;
+    range->last = leaves.last;
+    t.last = range;
+    if (range == t.limit) [[unlikely]]
+      grow(t);
+  }
   /// (leaf, tile) pairs so far.
   [[nodiscard]] std::uint64_t pairs() const { return pairs_; }
 
- private:
-  void addRow(LeafRange leaves, int row, int firstColumn, int lastColumn) {
-    VisibleList* const list = lists_ + static_cast<std::ptrdiff_t>(row) * columns_;
-    for (int column = firstColumn; column <= lastColumn; ++column)
-      appendRange(list[column], leaves);
-    if (firstColumn <= lastColumn)
-      pairs_ += static_cast<std::uint64_t>(lastColumn - firstColumn + 1) * (leaves.last - leaves.first);
+  [[nodiscard]] std::size_t tileCount() const { return tileCount_; }
+  [[nodiscard]] std::span<const LeafRange> list(std::size_t tile) const {
+    return {tiles_[tile].ranges.data() + 1, tiles_[tile].last + 1};
   }
 
-  VisibleList* lists_;
-  int columns_;
+ private:
+  struct Tile {
+    LeafRange* last = nullptr;  ///< the first is none: it ends where no leaf begins
+    LeafRange* limit = nullptr;
+    std::vector<LeafRange> ranges;
+  };
+  static void grow(Tile& tile);
+
+  void addRow(LeafRange leaves, int row, int firstColumn, int lastColumn) {
+    const auto first = static_cast<std::size_t>(row * columns_ + firstColumn);
+    const auto count = static_cast<std::size_t>(lastColumn - firstColumn + 1);
+    for (std::size_t i = 0; i < count; ++i)
+      add(leaves, first + i);
+    pairs_ += std::uint64_t{count} * (leaves.last - leaves.first);
+  }
+
+  std::vector<Tile> tiles_;
+  std::size_t tileCount_ = 0;
+  int columns_ = 0;
   std::uint64_t pairs_ = 0;
 };
 

@@ -1,11 +1,12 @@
 #include "common/cull/footprint/tree_walk.h"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 
 #include <tbb/parallel_for.h>
 
 #include "common/cull/footprint/outline.h"
-#include "common/cull/footprint/range_lists.h"
 
 namespace tessera::cull {
 
@@ -15,15 +16,17 @@ namespace {
 class Walk {
  public:
   Walk(const ObjectHierarchy& oh, const BoxTree& tree, const GridCoordinates& grid, bool refines,
-       std::vector<VisibleList>& lists)
+       RangeLists& lists)
       : tree_(tree),
         kernels_(kernels()),
         leafFrame_(KernelFrame::forLeaves(grid, tree.scale())),
         nodeFrame_(KernelFrame::forNodes(grid, tree.scale())),
         outliner_(oh, tree, grid, refines),
-        lists_(lists, grid.columns) {}
+        lists_(lists) {
+    lists_.begin(grid.columns, grid.rows);
+  }
 
-  /// The nodes of one block of a level; at most 11 levels deep.
+  /// The nodes of one block of a level; at most 8 levels deep.
   void openNodes(std::size_t level, std::uint32_t block) {
     ++blocks_;
     NodeFootprints found;
@@ -53,21 +56,24 @@ class Walk {
     BlockLanes lanes;
     kernels_.leaves(leafFrame_, &tree_.leaves()[block], 1, rects, &lanes);
     const std::uint32_t first = static_cast<std::uint32_t>(block * kLanes);
+    const std::uint32_t count = std::min<std::uint32_t>(kLanes, tree_.leafCount() - first);
+    std::array<std::uint32_t, kLanes> ids;
+    std::iota(ids.begin(), ids.end(), first);
     std::uint32_t next = 0;
     const auto listUpTo = [&](std::uint32_t lane) {
       for (; next < lane; ++next) {
         if (rects[next] != kNoTiles) lists_.add({first + next, first + next + 1}, unpack(rects[next]));
       }
     };
-    outliner_.finish(block, lanes, rects, [&](std::uint32_t lane, std::span<const ColumnSpan> spans) {
-      listUpTo(lane);
-      lists_.add({first + lane, first + lane + 1}, unpack(rects[lane]), spans);
-      next = lane + 1;
-    });
-    listUpTo(std::min<std::uint32_t>(kLanes, tree_.leafCount() - first));
+    outliner_.finish({ids.data(), count}, lanes, rects,
+                     [&](std::uint32_t lane, std::span<const ColumnSpan> spans) {
+                       listUpTo(lane);
+                       lists_.add({first + lane, first + lane + 1}, unpack(rects[lane]), spans);
+                       next = lane + 1;
+                     });
+    listUpTo(count);
   }
 
-  [[nodiscard]] std::uint64_t pairs() const { return lists_.pairs(); }
   [[nodiscard]] std::uint64_t blocks() const { return blocks_; }
 
  private:
@@ -83,9 +89,19 @@ class Walk {
   const Kernels& kernels_;
   KernelFrame leafFrame_, nodeFrame_;
   Outliner outliner_;
-  RangeLists lists_;
+  RangeLists& lists_;
   std::uint64_t blocks_ = 0;
 };
+
+/// Appends a list whose leaves come after all of `list`, or replaces that.
+void append(VisibleList& list, std::span<const LeafRange> more, bool replaces) {
+  if (replaces) {
+    list.assign(more.begin(), more.end());
+  } else if (!more.empty()) {
+    appendRange(list, more.front());
+    list.insert(list.end(), more.begin() + 1, more.end());
+  }
+}
 
 }  // namespace
 
@@ -96,41 +112,34 @@ void TreeWalk::list(const ObjectHierarchy& oh, const BoxTree& tree, const GridCo
   std::size_t level = levels.size();
   while (level > 0 && levels[level - 1].nodeCount < 16 * threads)
     --level;
-  if (threads < 2 || level == 0) {
-    Walk walk(oh, tree, grid, refines, result.lists);
+  const bool isOne = threads < 2 || level == 0;
+  const std::size_t blocks = isOne ? 1 : levels[level - 1].blocks.size();
+  const std::size_t partCount = isOne ? 1 : std::min<std::size_t>(blocks, 8 * threads);
+  if (parts_.size() < partCount) parts_.resize(partCount);
+  const auto walkPart = [&](std::size_t i) {
+    Walk walk(oh, tree, grid, refines, parts_[i].lists);
     if (levels.empty()) {
       walk.openLeaves(0);
-    } else {
+    } else if (isOne) {
       walk.openNodes(levels.size() - 1, 0);
+    } else {
+      for (std::size_t block = blocks * i / partCount; block < blocks * (i + 1) / partCount; ++block)
+        walk.openNodes(level - 1, static_cast<std::uint32_t>(block));
     }
-    result.pairs = walk.pairs();
-    result.tests.nodes = walk.blocks();
-    return;
+    parts_[i].blocks = walk.blocks();
+  };
+  if (isOne) {
+    walkPart(0);
+  } else {
+    tbb::parallel_for(std::size_t{0}, partCount, walkPart);
   }
-  const std::size_t blocks = levels[level - 1].blocks.size();
-  const std::size_t partCount = std::min<std::size_t>(blocks, 8 * threads);
-  parts_.resize(partCount);
-  tbb::parallel_for(std::size_t{0}, partCount, [&](std::size_t i) {
-    Part& part = parts_[i];
-    part.lists.resize(result.lists.size());
-    for (VisibleList& list : part.lists)
-      list.clear();
-    Walk walk(oh, tree, grid, refines, part.lists);
-    for (std::size_t block = blocks * i / partCount; block < blocks * (i + 1) / partCount; ++block)
-      walk.openNodes(level - 1, static_cast<std::uint32_t>(block));
-    part.pairs = walk.pairs();
-    part.blocks = walk.blocks();
-  });
-  for (const Part& part : parts_) {
-    result.pairs += part.pairs;
+  result.pairs = result.tests.nodes = 0;
+  for (std::size_t i = 0; i < partCount; ++i) {
+    const Part& part = parts_[i];
+    result.pairs += part.lists.pairs();
     result.tests.nodes += part.blocks;
-    for (std::size_t tile = 0; tile < result.lists.size(); ++tile) {
-      VisibleList& list = result.lists[tile];
-      const VisibleList& more = part.lists[tile];
-      if (more.empty()) continue;
-      appendRange(list, more.front());
-      list.insert(list.end(), more.begin() + 1, more.end());
-    }
+    for (std::size_t tile = 0; tile < result.lists.size(); ++tile)
+      append(result.lists[tile], part.lists.list(tile), i == 0);
   }
 }
 

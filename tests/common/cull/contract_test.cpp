@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/cull/footprint/kernels.h"
 #include "common/hierarchy/grid_frusta.h"
 #include "common/hierarchy/spatial_hierarchy.h"
 #include "tests/support/cull_scene.h"
@@ -84,6 +85,28 @@ TEST_P(CullerContract, HoldsForEveryAlgorithmBoundAndSwitch) {
   }
 }
 
+TEST_P(CullerContract, FootprintsAreTheSameAndHoldOnEveryInstructionSet) {
+  using cull::Algorithm, cull::Reuse;
+  const WallView view = randomView();
+  const TriangleScene scene = sceneFor(view);
+  const auto meets = exactVisibility(view.tiles, scene.leaves);
+  const GridFrusta frusta = frustaOf(view);
+  for (const bool refine : {false, true}) {
+    std::vector<VisibleList> expected;
+    for (const std::string_view name : cull::instructionSets()) {
+      ASSERT_TRUE(cull::chooseInstructionSet(name));
+      for (const Algorithm algorithm : {Algorithm::Table, Algorithm::Footprint}) {
+        cull::Culler culler(scene.hierarchy, {.algorithm = algorithm, .switches = {.refine = refine}});
+        const cull::Result& result = culler.cull(frusta);
+        ASSERT_EQ(firstDrop(result, meets), "") << name;
+        if (expected.empty()) expected = result.lists;
+        ASSERT_EQ(result.lists, expected) << name << ", " << cull::nameOf(culler.picked());
+      }
+    }
+  }
+  ASSERT_TRUE(cull::chooseInstructionSet(""));
+}
+
 TEST_P(CullerContract, HoldsWithPlanesFromTheMatrix) {
   const WallView view = randomView();
   const TriangleScene scene = sceneFor(view);
@@ -127,6 +150,10 @@ TEST_P(CullerContract, HoldsAlongAFlightWithWhatIsRemembered) {
       cullers.emplace_back(scene.hierarchy, cull::Options{.algorithm = algorithm, .switches = switches});
     }
   }
+  cullers.emplace_back(scene.hierarchy, cull::Options{.algorithm = cull::Algorithm::Table,
+                                                      .switches = {.coherent = cull::Reuse::Always}});
+  cull::Culler table(scene.hierarchy,
+                     {.algorithm = cull::Algorithm::Table, .switches = {.coherent = cull::Reuse::Never}});
   std::uint64_t remembered = 0;
   CameraPose pose{.eye = first.wall.eye, .target = {}, .up = Vec3(0, 1, 0), .fovYRad = {}};
   Vec3 forward = geometry.vector(1).normalized();
@@ -149,6 +176,8 @@ TEST_P(CullerContract, HoldsAlongAFlightWithWhatIsRemembered) {
       ASSERT_EQ(firstDrop(result, meets), "") << "frame " << frame;
       remembered += result.tests.remembered;
     }
+    // Certified reuse gives not only conservative lists, but the same.
+    ASSERT_EQ(table.cull(frusta).lists, cullers.back().cull(frusta).lists) << "frame " << frame;
   }
   if (s.offset < 1e7 && s.size > 1e-300) {  // else rounding is as large as the scene
     EXPECT_GT(remembered, 0U);

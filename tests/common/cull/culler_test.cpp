@@ -79,7 +79,7 @@ TEST(Culler, CountsItsTests) {
       EXPECT_EQ(result.pairs, 16U * 300);
       continue;
     }
-    if (result.tests.primary == 0) {  // by footprints: blocks of boxes, not planes
+    if (result.tests.classifications() == 0) {  // by footprints: blocks of boxes, not planes
       EXPECT_GE(candidate.options.algorithm, Algorithm::Footprint) << candidate.name;
       EXPECT_GT(result.tests.nodes, 0U) << candidate.name;
       continue;

@@ -216,7 +216,7 @@ TEST(Culler, ListsAreTheSameOnEveryInstructionSet) {
       hash = cull::hashOf(culler.cull(frusta).lists, hash);
     }
   }
-  EXPECT_EQ(hash, 12162354457280820705u);
+  EXPECT_EQ(hash, 11320807387116775649u);
 }
 
 }  // namespace
