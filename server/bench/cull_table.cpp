@@ -65,15 +65,17 @@ Result<Json> cullTable(const Scene& scene, const Wall& wall, const CameraPath& p
   GridFrusta frusta(static_cast<std::uint16_t>(wall.columns), static_cast<std::uint16_t>(wall.rows));
   InterleavedCull interleaved(set.candidates());
   ListChecks checks(scene, set, interleaved);
-  for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
+  const std::uint64_t frames =
+      options.firstFrames == 0 ? walk.frames() : std::min(options.firstFrames, walk.frames());
+  for (std::uint64_t frame = 0; frame < frames; ++frame) {
     const WallView view = walk.view(frame);
     frusta.update(view.wall, view.tiles);
     set.setView(view);
     interleaved.frame(frusta);
-    if (isTaken(frame, walk.frames(), kComparedFrames)) {
+    if (isTaken(frame, frames, kComparedFrames)) {
       if (Status status = checks.compare(frame); !status) return status.error();
     }
-    if (isTaken(frame, walk.frames(), options.auditedFrames)) {
+    if (isTaken(frame, frames, options.auditedFrames)) {
       if (Status status = checks.judge(frame, view); !status) return status.error();
     }
   }
@@ -81,7 +83,7 @@ Result<Json> cullTable(const Scene& scene, const Wall& wall, const CameraPath& p
               {"leaves", scene.leaves.size()},
               {"wall", wall.source},
               {"tiles", wall.tiles.size()},
-              {"frames", options.frames},
+              {"frames", frames},
               {"camera_step", stepOf(walk)},
               {"compared_frames", checks.comparedFrames()},
               {"audited_frames", checks.auditedFrames()},

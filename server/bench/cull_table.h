@@ -12,6 +12,8 @@ namespace tessera::bench {
 
 struct CullTableOptions {
   std::uint64_t frames = 200;
+  /// Only so many of them, from the first one on, with the camera as fast as ever; 0: all.
+  std::uint64_t firstFrames = 0;
   /// So many of them, evenly spread, are judged in exact arithmetic for drops and excess; 0: none.
   std::uint64_t auditedFrames = 8;
   /// Also adaptive culling on the spatial hierarchies, which takes seconds to build for a million leaves.

@@ -58,7 +58,8 @@ double exponentOf(const std::vector<double>& x, const std::vector<double>& y) {
   return spread > 0 ? (n * sumXY - sumX * sumY) / spread : 0;
 }
 
-Result<Json> tileExponents(const Scene& scene, const CameraPath& path, std::uint64_t frames) {
+Result<Json> tileExponents(const Scene& scene, const CameraPath& path, std::uint64_t walkFrames,
+                           std::uint64_t frames) {
   constexpr std::array kSides = {1, 2, 4, 8, 16, 32};
   std::list<Wall> walls;
   std::vector<Walk> walks;
@@ -69,7 +70,7 @@ Result<Json> tileExponents(const Scene& scene, const CameraPath& path, std::uint
   if (!methods) return methods.error();
   for (const int side : kSides) {
     walls.push_back(gridWall(side, side));
-    walks.emplace_back(walls.back(), path, scene.sphere(), frames);
+    walks.emplace_back(walls.back(), path, scene.sphere(), walkFrames);
     frusta.push_back(frustaFor(walls.back()));
     candidates.insert(candidates.end(), methods->begin(), methods->end());
     tiles.push_back(side * side);

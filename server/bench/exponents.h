@@ -14,8 +14,9 @@ namespace tessera::bench {
 [[nodiscard]] double exponentOf(const std::vector<double>& x, const std::vector<double>& y);
 
 /// Culling time on grids from 1x1 to 32x32, all of them and all methods interleaved frame by frame, and the
-/// exponents over 4 to 1024 tiles.
-[[nodiscard]] Result<Json> tileExponents(const Scene& scene, const CameraPath& path, std::uint64_t frames);
+/// exponents over 4 to 1024 tiles. Of a walk of `walkFrames`, the first `frames` are measured.
+[[nodiscard]] Result<Json> tileExponents(const Scene& scene, const CameraPath& path, std::uint64_t walkFrames,
+                                         std::uint64_t frames);
 
 /// Culling time on cities of 1000 leaves, of ten times as many and so on up to `mostLeaves`, and the
 /// exponents. Methods are interleaved frame by frame, the cities come one after the other.

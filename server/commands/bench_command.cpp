@@ -134,7 +134,7 @@ Status benchExponents(const BenchCullFlags& flags, const Wall& wall, const Camer
   if (flags.exponents != "objects") {
     const auto scene = flags.files.readScene();
     if (!scene) return scene.error();
-    const auto tiles = bench::tileExponents(*scene, camera, flags.table.frames);
+    const auto tiles = bench::tileExponents(*scene, camera, flags.table.frames, flags.table.frames);
     if (!tiles) return tiles.error();
     json["exponents"]["tiles"] = *tiles;
     printExponents("tiles", *tiles);
@@ -243,8 +243,9 @@ void addCullTableCommand(CLI::App& bench, std::vector<Command>& commands) {
       ->delimiter(',');
   cull->add_option(
           "--exponents", flags->exponents,
-          "Instead of the table: the exponents with which time grows by tiles (the scene on grids of "
-          "1x1 to 32x32), by objects (cities of 1000 leaves and more on the wall) or both")
+          "Instead of the table: the exponents with which time grows by tiles (the scene on grids of 1x1 to "
+          "32x32, whatever --wall has), by objects (cities of 1000 leaves and more on the wall, whatever "
+          "--scene holds) or both")
       ->check(CLI::IsMember({"tiles", "objects", "both"}));
   cull->add_option("--most-leaves", flags->mostLeaves, "--exponents objects: the largest city")
       ->capture_default_str()
