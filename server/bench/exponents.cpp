@@ -81,10 +81,8 @@ Result<Json> tileExponents(const Scene& scene, const CameraPath& path, std::uint
       const WallView view = walks[i].view(frame);
       frusta[i].update(view.wall, view.tiles);
     }
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const std::size_t at = (i + frame) % candidates.size();
+    for (const std::size_t at : interleaved.shuffled())
       interleaved.run(at, frusta[at / methods->size()]);
-    }
   }
   Json result = {{"scene", scene.source},    {"leaves", scene.leaves.size()},
                  {"frames", frames},         {"camera_step", stepOf(walks.front())},

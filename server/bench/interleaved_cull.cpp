@@ -31,6 +31,7 @@ InterleavedCull::InterleavedCull(const std::vector<Candidate>& candidates) {
     Measured measured;
     measured.name = candidate.name;
     measured.output = candidate.output;
+    order_.push_back(measured_.size());
     measured_.push_back(std::move(measured));
   }
 }

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <random>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,9 +32,10 @@ struct Baseline {
   std::function<std::uint64_t()> pairs;  ///< of the last run; not timed
 };
 
-/// Runs several cullers on the same frames in one process, one after the other in every frame and in turn
-/// first, so that whatever slows the machine slows all of them: only the ratios of their times are to be
-/// trusted.
+/// Runs several cullers on the same frames in one process, one after the other in every frame, so that
+/// whatever slows the machine slows all of them: only the ratios of their times are to be trusted. The order
+/// is shuffled for every frame (and is the same in every run of the program), so that none always finds the
+/// caches as the same other one has left them.
 class InterleavedCull {
  public:
   struct Candidate {
@@ -55,9 +58,13 @@ class InterleavedCull {
 
   explicit InterleavedCull(const std::vector<Candidate>& candidates);
   void frame(const FrustumHierarchy& frusta) {
-    for (std::size_t i = 0; i < runners_.size(); ++i)
-      run((first_ + i) % runners_.size(), frusta);
-    ++first_;
+    for (const std::size_t candidate : shuffled())
+      run(candidate, frusta);
+  }
+  /// All candidates in the order of the next frame.
+  [[nodiscard]] const std::vector<std::size_t>& shuffled() {
+    std::shuffle(order_.begin(), order_.end(), random_);
+    return order_;
   }
   /// One candidate alone.
   void run(std::size_t candidate, const FrustumHierarchy& frusta);
@@ -85,7 +92,8 @@ class InterleavedCull {
   std::vector<Runner> runners_;
   std::vector<Measured> measured_;
   LeafIds ids_;
-  std::size_t first_ = 0;
+  std::vector<std::size_t> order_;
+  std::mt19937 random_{2006};
 };
 
 }  // namespace tessera::bench
