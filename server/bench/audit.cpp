@@ -1,14 +1,15 @@
 #include "server/bench/audit.h"
 
 #include <algorithm>
-#include <span>
+#include <array>
 
 #include "common/geometry/bounded_plane.h"
-#include "common/geometry/exact_frustum.h"
 
 namespace tessera {
 
 namespace {
+
+constexpr std::uint32_t kBlockLeaves = 64;
 
 /// Certain rejection of most leaves, so that only the others' triangles are looked at. Independent of the
 /// cullers: sides alone, from the tile's own corners.
@@ -30,41 +31,86 @@ class Sides {
   std::array<BoundedPlane, 4> planes_;
 };
 
+const Aabb& boxOf(const Scene& scene, std::uint32_t leaf) {
+  return scene.hierarchy.aabb(scene.hierarchy.nodeOfLeaf(leaf));
+}
+
 }  // namespace
 
-Status Audit::add(std::uint64_t frame, const WallView& view, const cull::Result& result) {
-  for (std::size_t tile = 0; tile < view.tiles.size(); ++tile) {
-    const ExactFrustum exact(view.tiles[tile]);
-    const Sides sides(view.tiles[tile]);
-    const VisibleList& list = result.lists[tile];
-    for (std::uint32_t leaf = 0; leaf < scene_->leaves.size(); ++leaf) {
-      const bool isListed = containsLeaf(list, leaf);
-      pairs_ += isListed ? 1 : 0;
-      if (scene_->leaves[leaf].billboard) {
-        exactPairs_ += isListed ? 1 : 0;
-        continue;
-      }
-      // A listed leaf is judged by its triangles even where its box is certainly outside.
-      const std::uint32_t node = scene_->hierarchy.nodeOfLeaf(leaf);
-      if (!isListed && !sides.mayMeet(scene_->hierarchy.aabb(node))) continue;
-      const auto triangles = triangles_.of(leaf);
-      if (!triangles) return triangles.error();
-      const bool meets = std::any_of(triangles->begin(), triangles->end(),
-                                     [&exact](const auto& triangle) { return exact.meets(triangle); });
-      exactPairs_ += meets && isListed ? 1 : 0;
-      if (meets && !isListed && drops_++ == 0) {
-        firstDrop_ = "frame " + std::to_string(frame) + ", tile " + std::to_string(tile) + ", leaf " +
-                     std::to_string(leaf);
-      }
+Audit::Audit(const Scene& scene, std::size_t candidates)
+    : scene_(&scene), triangles_(scene), verdicts_(candidates) {
+  const auto count = static_cast<std::uint32_t>(scene.leaves.size());
+  blocks_.resize((count + kBlockLeaves - 1) / kBlockLeaves);
+  for (std::uint32_t leaf = 0; leaf < count; ++leaf)
+    blocks_[leaf / kBlockLeaves].extend(boxOf(scene, leaf));
+}
+
+void Audit::findCandidates(const Frustum& tile) {
+  const Sides sides(tile);
+  const auto count = static_cast<std::uint32_t>(scene_->leaves.size());
+  meets_.assign(count, Meets::CertainlyNot);
+  for (std::uint32_t block = 0; block < blocks_.size(); ++block) {
+    if (!sides.mayMeet(blocks_[block])) continue;
+    const std::uint32_t first = block * kBlockLeaves, end = std::min(count, first + kBlockLeaves);
+    for (std::uint32_t leaf = first; leaf < end; ++leaf) {
+      if (sides.mayMeet(boxOf(*scene_, leaf))) meets_[leaf] = Meets::Open;
     }
-    exactDecisions_ += exact.exactDecisions();
+  }
+}
+
+Status Audit::decide(ExactFrustum& exact) {
+  meeting_ = 0;
+  for (std::uint32_t leaf = 0; leaf < meets_.size(); ++leaf) {
+    if (meets_[leaf] != Meets::Open) continue;
+    if (scene_->leaves[leaf].billboard) {
+      meets_[leaf] = Meets::Billboard;
+      continue;
+    }
+    const auto triangles = triangles_.of(leaf);
+    if (!triangles) return triangles.error();
+    const bool meets = std::any_of(triangles->begin(), triangles->end(),
+                                   [&exact](const auto& triangle) { return exact.meets(triangle); });
+    meets_[leaf] = meets ? Meets::Yes : Meets::No;
+    meeting_ += meets ? 1 : 0;
   }
   return Done{};
 }
 
-double Audit::excessPercent() const {
-  if (exactPairs_ == 0) return 0;
-  return 100.0 * static_cast<double>(pairs_ - exactPairs_) / static_cast<double>(exactPairs_);
+void Audit::judge(const VisibleList& list, Verdict& verdict, std::uint64_t frame, std::size_t tile) const {
+  std::uint64_t found = 0;
+  forEachLeaf(list, [&](std::uint32_t leaf) {
+    ++verdict.pairs;
+    found += meets_[leaf] == Meets::Yes ? 1 : 0;
+    verdict.exactPairs += meets_[leaf] == Meets::Yes || meets_[leaf] == Meets::Billboard ? 1 : 0;
+  });
+  if (found == meeting_) return;
+  verdict.drops += meeting_ - found;
+  for (std::uint32_t leaf = 0; leaf < meets_.size() && verdict.firstDrop.empty(); ++leaf) {
+    if (meets_[leaf] != Meets::Yes || containsLeaf(list, leaf)) continue;
+    verdict.firstDrop = "frame " + std::to_string(frame) + ", tile " + std::to_string(tile) + ", leaf " +
+                        std::to_string(leaf);
+  }
+}
+
+Status Audit::add(std::uint64_t frame, const WallView& view,
+                  std::span<const std::vector<VisibleList>* const> lists) {
+  for (std::size_t tile = 0; tile < view.tiles.size(); ++tile) {
+    findCandidates(view.tiles[tile]);
+    // A listed leaf is judged by its triangles even where its box is certainly outside.
+    for (const auto* candidate : lists)
+      forEachLeaf((*candidate)[tile], [this](std::uint32_t leaf) { meets_[leaf] = Meets::Open; });
+    ExactFrustum exact(view.tiles[tile]);
+    if (Status status = decide(exact); !status) return status;
+    exactDecisions_ += exact.exactDecisions();
+    for (std::size_t i = 0; i < lists.size(); ++i)
+      judge((*lists[i])[tile], verdicts_[i], frame, tile);
+  }
+  return Done{};
+}
+
+double Audit::Verdict::excessPercent() const {
+  if (exactPairs == 0) return 0;
+  return 100.0 * static_cast<double>(pairs - exactPairs) / static_cast<double>(exactPairs);
 }
 
 }  // namespace tessera

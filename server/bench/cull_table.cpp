@@ -1,102 +1,95 @@
 #include "server/bench/cull_table.h"
 
 #include <algorithm>
-#include <list>
-#include <string>
 
 #include "common/hierarchy/grid_frusta.h"
-#include "common/hierarchy/spatial_hierarchy.h"
-#include "server/bench/audit.h"
+#include "server/bench/candidates.h"
+#include "server/bench/list_checks.h"
 
 namespace tessera::bench {
 
 namespace {
 
-using cull::Algorithm;
-using cull::BoundsKind;
-using Candidates = std::vector<InterleavedCull::Candidate>;
+/// Lists are read back and compared in about so many frames.
+constexpr std::uint64_t kComparedFrames = 64;
 
-Candidates candidatesOn(const ObjectHierarchy& graph) {
-  Candidates all;
-  // The first is the base of the ratios.
-  all.push_back({"adaptive obb", &graph, {}});
-  for (const Algorithm algorithm :
-       {Algorithm::Naive, Algorithm::Oh, Algorithm::Fh, Algorithm::AdaptiveListing}) {
-    all.push_back({std::string(cull::nameOf(algorithm)) + " obb", &graph, {.algorithm = algorithm}});
-  }
-  for (const BoundsKind bounds : {BoundsKind::Sphere, BoundsKind::Aabb, BoundsKind::AabbThenObb})
-    all.push_back({"adaptive " + std::string(cull::nameOf(bounds)), &graph, {.bounds = bounds}});
-  all.push_back({"adaptive obb regroup", &graph, {.switches = {.regroup = true}}});
-  return all;
+/// True for about `wanted` of the frames, evenly spread.
+bool isTaken(std::uint64_t frame, std::uint64_t frames, std::uint64_t wanted) {
+  return wanted > 0 && (frame + 1) % std::max<std::uint64_t>(1, frames / wanted) == 0;
 }
 
-ObjectHierarchy spatial(const Scene& scene, HierarchyKind kind) {
-  std::vector<Bounds> bounds;
-  std::vector<std::uint64_t> triangles;
-  for (std::uint32_t leaf = 0; leaf < scene.leaves.size(); ++leaf) {
-    const std::uint32_t node = scene.hierarchy.nodeOfLeaf(leaf);
-    bounds.push_back({scene.hierarchy.aabb(node), scene.hierarchy.obb(node), scene.hierarchy.sphere(node)});
-    triangles.push_back(scene.leaves[leaf].triangles);
+const InterleavedCull::Measured* find(const InterleavedCull& interleaved, const char* name) {
+  for (const auto& measured : interleaved.measured()) {
+    if (measured.name == name) return &measured;
   }
-  return buildSpatialHierarchy(kind, bounds, triangles, 0).hierarchy;
+  return nullptr;
 }
 
-double percentOver(double pairs, double exact) {
-  return exact > 0 ? 100 * (pairs / exact - 1) : 0;
+Json pickedOf(const InterleavedCull::Measured& measured) {
+  Json frames = Json::object();
+  for (std::size_t i = 0; i < measured.picked.size(); ++i) {
+    if (measured.picked[i] > 0)
+      frames[std::string(cull::nameOf(static_cast<cull::Algorithm>(i)))] = measured.picked[i];
+  }
+  return frames;
+}
+
+Json entriesOf(const CandidateSet& set, const InterleavedCull& interleaved, const ListChecks& checks) {
+  Json entries = Json::array();
+  const auto& all = interleaved.measured();
+  const auto *oh = find(interleaved, kOhName), *linear = find(interleaved, kLinearName);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Json entry = summaryOf(all[i], &all[0].us);
+    if (oh) entry["time_ratio_to_oh"] = ratioOf(all[i].us, oh->us);
+    if (linear) entry["time_ratio_to_linear_read"] = ratioOf(all[i].us, linear->us);
+    if (interleaved.hasLists(i)) {
+      entry["threads"] = set.specs()[i].options.threads;
+      entry["picked_frames"] = pickedOf(all[i]);
+    }
+    checks.addTo(entry, i);
+    entries.push_back(std::move(entry));
+  }
+  return entries;
 }
 
 }  // namespace
 
 Result<Json> cullTable(const Scene& scene, const Wall& wall, const CameraPath& path,
                        const CullTableOptions& options) {
-  Candidates candidates = candidatesOn(scene.hierarchy);
-  std::list<ObjectHierarchy> built;
-  if (options.withHierarchies) {
-    for (const HierarchyKind kind :
-         {HierarchyKind::Bvh, HierarchyKind::Octree, HierarchyKind::LooseOctree, HierarchyKind::Kd}) {
-      built.push_back(spatial(scene, kind));
-      candidates.push_back({"adaptive obb " + std::string(nameOf(kind)), &built.back(), {}});
-    }
-  }
+  auto specs = selectCandidates(options.only, options.withHierarchies);
+  if (!specs) return specs.error();
+  const auto made = CandidateSet::make(scene, options.up, std::move(*specs));
+  if (!made) return made.error();
+  CandidateSet& set = **made;
   const Walk walk(wall, path, scene.sphere(), options.frames);
   GridFrusta frusta(static_cast<std::uint16_t>(wall.columns), static_cast<std::uint16_t>(wall.rows));
-  InterleavedCull interleaved(candidates);
-  Samples frustaUs;
-  Audit audit(scene);
-  std::vector<double> auditedPairs(candidates.size(), 0);
-  const std::uint64_t every = options.auditedFrames == 0
-                                  ? options.frames + 1
-                                  : std::max<std::uint64_t>(1, options.frames / options.auditedFrames);
-  for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
+  InterleavedCull interleaved(set.candidates());
+  ListChecks checks(scene, set, interleaved);
+  const std::uint64_t frames =
+      options.firstFrames == 0 ? walk.frames() : std::min(options.firstFrames, walk.frames());
+  for (std::uint64_t frame = 0; frame < frames; ++frame) {
     const WallView view = walk.view(frame);
     frusta.update(view.wall, view.tiles);
+    set.setView(view);
     interleaved.frame(frusta);
-    if ((frame + 1) % every != 0) continue;
-    for (std::size_t i = 0; i < candidates.size(); ++i)
-      auditedPairs[i] += interleaved.measured()[i].pairs.values.back();
-    cull::Culler judged(scene.hierarchy, {});
-    if (Status status = audit.add(frame, view, judged.cull(frusta)); !status) return status.error();
+    if (isTaken(frame, frames, kComparedFrames)) {
+      if (Status status = checks.compare(frame); !status) return status.error();
+    }
+    if (isTaken(frame, frames, options.auditedFrames)) {
+      if (Status status = checks.judge(frame, view); !status) return status.error();
+    }
   }
-  if (audit.drops() > 0)
-    return runtimeError(scene.source, "a visible leaf is missing: " + audit.firstDrop(), "this is a bug");
-
-  Json table = {{"scene", scene.source},
-                {"leaves", scene.leaves.size()},
-                {"wall", wall.source},
-                {"tiles", wall.tiles.size()},
-                {"frames", options.frames},
-                {"camera_step", stepOf(walk)},
-                {"audited_exact_pairs", audit.exactPairs()},
-                {"audited_drops", audit.drops()},
-                {"candidates", Json::array()}};
-  const auto& measured = interleaved.measured();
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    Json entry = summaryOf(measured[i], &measured[0].us);
-    if (audit.exactPairs() > 0)
-      entry["excess_percent"] = percentOver(auditedPairs[i], static_cast<double>(audit.exactPairs()));
-    table["candidates"].push_back(std::move(entry));
-  }
-  return table;
+  return Json{{"scene", scene.source},
+              {"leaves", scene.leaves.size()},
+              {"wall", wall.source},
+              {"tiles", wall.tiles.size()},
+              {"frames", frames},
+              {"camera_step", stepOf(walk)},
+              {"compared_frames", checks.comparedFrames()},
+              {"audited_frames", checks.auditedFrames()},
+              {"audited_exact_pairs", checks.exactPairs()},
+              {"audited_drops", 0},  // a drop is an error
+              {"candidates", entriesOf(set, interleaved, checks)}};
 }
 
 }  // namespace tessera::bench

@@ -9,6 +9,7 @@
 #include "common/hierarchy/bounds_refit.h"
 #include "common/hierarchy/grid_frusta.h"
 #include "server/bench/paper_figures.h"
+#include "server/bench/unbounded.h"
 
 namespace tessera::bench {
 
@@ -212,16 +213,6 @@ Result<Json> regroupFigure(PaperScenes& scenes) {
 }
 
 namespace {
-
-/// The plain test, as one would write it who does not mind what rounding does.
-template <class RelativeBounds>
-Side classifyUnbounded(const RelativeBounds& bounds, const BoundedPlane& plane) {
-  const double value = plane.normal.dot(bounds.d) - plane.distance;
-  const double radius = bounds.radius(plane.normal);
-  if (value + radius < 0) return Side::Outside;
-  if (value - radius >= 0) return Side::Inside;
-  return Side::Intersecting;
-}
 
 /// Microseconds for all nodes against all sides, and how many were outside.
 template <class Relative, class GetBounds, class Classify>

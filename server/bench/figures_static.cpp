@@ -86,7 +86,7 @@ Result<Json> tilesFigure(PaperScenes& scenes) {
     for (std::size_t i = 0; i < candidates.size(); ++i, ++walk, ++tiles) {
       const WallView view = walk->view(frame);
       tiles->update(view.wall, view.tiles);
-      static_cast<void>(interleaved.run(i, *tiles));
+      interleaved.run(i, *tiles);
     }
   }
   Json curves = curvesOf(interleaved, nullptr);
@@ -116,11 +116,14 @@ Result<Json> mtplFigure(PaperScenes& scenes) {
     InterleavedCull interleaved(
         {{"oh", &scene->hierarchy, {.algorithm = Algorithm::Oh, .bounds = BoundsKind::Aabb}}});
     Samples triangles;
+    std::vector<VisibleList> lists;
     for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
       const WallView view = walk.view(frame);
       frusta.update(view.wall, view.tiles);
       double sum = 0;
-      for (const LeafRange range : interleaved.run(0, frusta).lists[0])
+      interleaved.run(0, frusta);
+      interleaved.listsOf(0, lists);
+      for (const LeafRange range : lists[0])
         sum += static_cast<double>(trianglesBefore[range.last] - trianglesBefore[range.first]);
       triangles.add(sum);
     }
@@ -192,7 +195,10 @@ Result<Json> excessFigure(PaperScenes& scenes) {
     for (const CameraPath* path : {&orbitPath(), &flyPath()}) {
       for (const int size : {4, 8, 16}) {
         auto table = cullTable(*scene, gridWall(size, size), *path,
-                               {.frames = scenes.frames(200), .auditedFrames = 6});
+                               {.frames = scenes.frames(200),
+                                .auditedFrames = 6,
+                                .only = {"adaptive", "naive", "oh", "fh", "footprint obb ranges",
+                                         "footprint obb no-refine", "auto obb diff"}});
         if (!table) return table.error();
         (*table)["scene"] = scene == *plant ? "power plant" : "Fatehpur";
         (*table)["walk"] = path == &flyPath() ? "fly" : "orbit";

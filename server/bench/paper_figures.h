@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -26,10 +27,14 @@ class PaperScenes {
   /// The power plant with a million triangles, cut and grouped to leaves of at most so many triangles.
   [[nodiscard]] Result<Scene> powerPlantOf(std::uint64_t maxTrianglesPerLeaf);
 
+  /// A city of so many leaves. Not kept in memory: a million leaves take gigabytes.
+  [[nodiscard]] Result<Scene> city(std::uint64_t leaves);
+
   [[nodiscard]] std::uint64_t frames(std::uint64_t wanted) const;
 
  private:
-  Result<std::filesystem::path> file(const std::string& name, Result<std::string> (*make)());
+  Result<std::filesystem::path> file(const std::string& name,
+                                     const std::function<Result<std::string>()>& make);
   std::filesystem::path folder_;
   double frameScale_;
   std::unique_ptr<Scene> powerPlant_, fatehpur_;

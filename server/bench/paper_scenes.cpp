@@ -38,7 +38,8 @@ std::uint64_t PaperScenes::frames(std::uint64_t wanted) const {
   return std::max<std::uint64_t>(4, static_cast<std::uint64_t>(scaled));
 }
 
-Result<std::filesystem::path> PaperScenes::file(const std::string& name, Result<std::string> (*make)()) {
+Result<std::filesystem::path> PaperScenes::file(const std::string& name,
+                                                const std::function<Result<std::string>()>& make) {
   const std::filesystem::path path = folder_ / name;
   if (std::filesystem::exists(path)) return path;
   const auto bytes = make();
@@ -74,6 +75,13 @@ Result<Scene> PaperScenes::powerPlantOf(std::uint64_t maxTrianglesPerLeaf) {
   return loadScene(*path, LoadOptions{.up = UpAxis::Auto,
                                       .hierarchy = HierarchyKind::Bvh,
                                       .maxTrianglesPerLeaf = maxTrianglesPerLeaf});
+}
+
+Result<Scene> PaperScenes::city(std::uint64_t leaves) {
+  const auto path =
+      file("city-" + std::to_string(leaves) + ".glb", [leaves] { return makeCityGlb({.leaves = leaves}); });
+  if (!path) return path.error();
+  return loadScene(*path);
 }
 
 }  // namespace tessera::bench

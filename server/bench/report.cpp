@@ -37,10 +37,12 @@ Json stepOf(const Walk& walk) {
 
 Json summaryOf(const InterleavedCull::Measured& measured, const Samples* base) {
   Json summary = {{"name", measured.name},
+                  {"output", nameOf(measured.output)},
                   {"us", spreadOf(measured.us)},
                   {"tests_per_frame", measured.classifications.percentile(50)},
-                  {"pairs_per_frame", measured.pairs.percentile(50)},
-                  {"lists_hash", measured.listHash}};
+                  {"pairs_per_frame", measured.pairs.percentile(50)}};
+  if (measured.output == Output::Ranges || measured.output == Output::Ids)
+    summary["lists_hash"] = measured.listHash;
   if (base) summary["time_ratio"] = ratioOf(measured.us, *base);
   return summary;
 }

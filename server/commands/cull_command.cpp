@@ -81,12 +81,12 @@ std::string reportOf(const CullCommandFlags& flags, const Scene& scene, const Wa
                                    {"tests_by_kind", countsPerFrame(measured.counts, flags.frames)},
                                    {"lists_hash", measured.listHash}};
   if (measured.audit) {
-    const Audit& audit = *measured.audit;
-    report["audit"] = {{"pairs", audit.pairs()},
-                       {"exact_pairs", audit.exactPairs()},
-                       {"excess_percent", audit.excessPercent()},
-                       {"drops", audit.drops()},
-                       {"exact_decisions", audit.exactDecisions()}};
+    const Audit::Verdict& verdict = measured.audit->verdicts()[0];
+    report["audit"] = {{"pairs", verdict.pairs},
+                       {"exact_pairs", verdict.exactPairs},
+                       {"excess_percent", verdict.excessPercent()},
+                       {"drops", verdict.drops},
+                       {"exact_decisions", measured.audit->exactDecisions()}};
   }
   return report.dump(1) + "\n";
 }
@@ -145,14 +145,14 @@ Status cullScene(const CullCommandFlags& flags) {
     if (!status) return status;
   }
   if (!measured.audit) return Done{};
-  const Audit& audit = *measured.audit;
+  const Audit::Verdict& verdict = measured.audit->verdicts()[0];
   std::printf("audit: %llu pairs listed, %llu of them exact, excess %.2f %%, %llu dropped\n",
-              static_cast<unsigned long long>(audit.pairs()),
-              static_cast<unsigned long long>(audit.exactPairs()), audit.excessPercent(),
-              static_cast<unsigned long long>(audit.drops()));
-  if (audit.drops() == 0) return Done{};
+              static_cast<unsigned long long>(verdict.pairs),
+              static_cast<unsigned long long>(verdict.exactPairs), verdict.excessPercent(),
+              static_cast<unsigned long long>(verdict.drops));
+  if (verdict.drops == 0) return Done{};
   return runtimeError(flags.files.scene,
-                      "a leaf that meets a tile is missing from its list: " + audit.firstDrop(),
+                      "a leaf that meets a tile is missing from its list: " + verdict.firstDrop,
                       "this is a bug: please report it with the scene, wall and camera");
 }
 

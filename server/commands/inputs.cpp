@@ -4,7 +4,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "common/scene/load_scene.h"
 #include "common/wall/wall_file.h"
 #include "server/default_camera.h"
 
@@ -60,10 +59,12 @@ Result<Wall> InputFiles::readWall() const {
   return read;
 }
 
+UpAxis InputFiles::upAxis() const {
+  return up == "y" ? UpAxis::Y : up == "z" ? UpAxis::Z : UpAxis::Auto;
+}
+
 Result<Scene> InputFiles::readScene() const {
-  auto read = loadScene(scene, {.up = up == "y"   ? UpAxis::Y
-                                      : up == "z" ? UpAxis::Z
-                                                  : UpAxis::Auto,
+  auto read = loadScene(scene, {.up = upAxis(),
                                 .hierarchy = *hierarchyFromName(hierarchy),
                                 .maxTrianglesPerLeaf = maxTrianglesPerLeaf});
   if (read) {

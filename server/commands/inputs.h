@@ -7,6 +7,7 @@
 #include "common/base/result.h"
 #include "common/cull/culler.h"
 #include "common/hierarchy/tile_cone.h"
+#include "common/scene/load_scene.h"
 #include "common/scene/scene.h"
 #include "common/wall/camera_path.h"
 #include "common/wall/wall.h"
@@ -25,6 +26,7 @@ struct InputFiles {
   void addHierarchy(CLI::App& app);
   void addCamera(CLI::App& app);
 
+  [[nodiscard]] UpAxis upAxis() const;
   /// Reads and logs the warnings.
   [[nodiscard]] Result<Wall> readWall() const;
   [[nodiscard]] Result<Scene> readScene() const;

@@ -44,7 +44,8 @@ TEST_F(CullingTools, AuditFindsNoDropWhateverIsChosen) {
   using Words = std::vector<std::string>;
   for (const Words& choice :
        {Words{"--algorithm", "naive"}, Words{"--algorithm", "oh", "--octant-test", "--plane-coherency"},
-        Words{"--algorithm", "fh", "--bounds", "sphere"}, Words{"--regroup", "--regroup-from", "4"},
+        Words{"--algorithm", "fh", "--bounds", "sphere"},
+        Words{"--algorithm", "adaptive", "--regroup", "--regroup-from", "4"},
         Words{"--algorithm", "adaptive-listing", "--bounds", "aabb", "--sign-table"},
         Words{"--bounds", "aabb-then-obb"}, Words{"--bounds", "hybrid", "--sphere-first"},
         Words{"--hierarchy", "bvh", "--mtpl", "40"}, Words{"--hierarchy", "octree"},
@@ -118,21 +119,148 @@ TEST_F(CullingTools, RefusesWhatDoesNotGoTogether) {
   }
 }
 
-TEST_F(CullingTools, BenchCullMeasuresEveryMethodAgainstAdaptive) {
-  const Outcome outcome = run(
-      {program("tessera"), "bench", "cull", "--wall", config("wall-4x4.json"), "--scene", scene_, "--camera",
-       config("fly.camera.json"), "--frames", "4", "--audited-frames", "2", "--json", folder_ / "bench.json"},
-      seconds(60));
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const Json report = readJson(folder_ / "bench.json");
-  EXPECT_EQ(report["audited_drops"], 0);
-  EXPECT_GT(report["camera_step"]["degrees_per_frame"], 0);
-  ASSERT_GE(report["candidates"].size(), 13U);
-  for (const Json& candidate : report["candidates"]) {
-    EXPECT_GT(candidate["us"]["p50"], 0);
-    EXPECT_GE(candidate["excess_percent"], 0);
+class BenchCull : public CullingTools {
+ protected:
+  Outcome bench(std::vector<std::string> more) {
+    std::vector<std::string> command = {program("tessera"),        "bench",    "cull", "--wall",
+                                        config("wall-4x4.json"),   "--scene",  scene_, "--camera",
+                                        config("fly.camera.json"), "--frames", "4",    "--json",
+                                        folder_ / "bench.json"};
+    command.insert(command.end(), more.begin(), more.end());
+    return run(command, seconds(120));
   }
-  EXPECT_EQ(report["candidates"][0]["time_ratio"]["p50"], 1);
+  Json report() { return readJson(folder_ / "bench.json"); }
+};
+
+const Json& candidate(const Json& report, const std::string& name) {
+  static const Json kNone;
+  for (const Json& one : report["candidates"]) {
+    if (one["name"] == name) return one;
+  }
+  ADD_FAILURE() << name << " is not among the candidates";
+  return kNone;
+}
+
+TEST_F(BenchCull, MeasuresEveryMethodAgainstAdaptive) {
+  const Outcome outcome = bench({"--audited-frames", "2"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json all = report();
+  EXPECT_EQ(all["audited_drops"], 0);
+  EXPECT_EQ(all["audited_frames"], 2);
+  EXPECT_EQ(all["compared_frames"], 4);
+  EXPECT_GT(all["camera_step"]["degrees_per_frame"], 0);
+  const double exact = all["audited_exact_pairs"];
+  EXPECT_GT(exact, 1000);
+  ASSERT_GE(all["candidates"].size(), 30U);
+  for (const Json& one : all["candidates"]) {
+    EXPECT_GT(one["us"]["p50"], 0) << one["name"];
+    EXPECT_GT(one["time_ratio_to_oh"]["p50"], 0) << one["name"];
+    EXPECT_GT(one["time_ratio_to_linear_read"]["p50"], 0) << one["name"];
+    if (one["output"] == "count") continue;
+    EXPECT_EQ(one["audited_drops"], 0) << one["name"];
+    EXPECT_GE(one["audited_pairs"], exact) << one["name"];
+    EXPECT_NEAR(one["excess_percent"], 100 * (one["audited_pairs"].get<double>() / exact - 1), 1e-6)
+        << one["name"];
+  }
+  EXPECT_EQ(all["candidates"][0]["name"], "adaptive obb");
+  EXPECT_EQ(all["candidates"][0]["time_ratio"]["p50"], 1);
+  EXPECT_EQ(candidate(all, "oh obb")["time_ratio_to_oh"]["p50"], 1);
+}
+
+TEST_F(BenchCull, EveryFormOfOutputHasTheSameLists) {
+  ASSERT_EQ(bench({"--audited-frames", "0", "--only", "footprint,table,auto"}).status, 0);
+  const Json all = report();
+  for (const char* name : {"footprint obb ids", "footprint obb diff", "table obb ranges", "table obb diff",
+                           "table obb coherent-always diff", "table obb coherent-measured diff"}) {
+    EXPECT_EQ(candidate(all, name)["compared_lists_hash"],
+              candidate(all, "footprint obb ranges")["compared_lists_hash"])
+        << name;
+    EXPECT_EQ(candidate(all, name)["pairs_per_frame"],
+              candidate(all, "footprint obb ranges")["pairs_per_frame"])
+        << name;
+  }
+  EXPECT_EQ(candidate(all, "footprint obb ids")["output"], "ids");
+  EXPECT_EQ(candidate(all, "footprint obb diff")["output"], "diff");
+  EXPECT_FALSE(candidate(all, "footprint obb diff").contains("lists_hash"));
+  EXPECT_FALSE(candidate(all, "footprint obb diff").contains("excess_percent"));
+}
+
+TEST_F(BenchCull, OnlyWhatIsAskedForAndTheBaseIsMeasured) {
+  ASSERT_EQ(bench({"--only", "table obb diff,adaptive aabb-then"}).status, 0);
+  std::vector<std::string> names;
+  const Json all = report();
+  for (const Json& one : all["candidates"])
+    names.push_back(one["name"]);
+  EXPECT_EQ(names, (std::vector<std::string>{"adaptive obb", "adaptive aabb-then-obb", "table obb diff"}));
+}
+
+TEST_F(BenchCull, ANameThatIsNoCandidateIsOneError) {
+  for (const char* only : {"adaptive,quick", "naive obb bvh"}) {
+    const Outcome outcome = bench({"--only", only});
+    EXPECT_EQ(outcome.status, 2) << only;
+    EXPECT_EQ(outcome.err.find("tessera: error: --only: no candidate's name begins with \""), 0U)
+        << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  // A candidate that was left out by another flag is none.
+  EXPECT_EQ(bench({"--only", "adaptive obb bvh"}).status, 0);
+  EXPECT_EQ(bench({"--only", "adaptive obb bvh", "--no-hierarchies"}).status, 2);
+}
+
+TEST_F(BenchCull, OpenSceneGraphPassesWhatIsVisible) {
+  ASSERT_EQ(bench({"--audited-frames", "4", "--only", "osg"}).status, 0);
+  const Json all = report();
+  const double exact = all["audited_exact_pairs"], pairs = candidate(all, "osg full")["audited_pairs"];
+  EXPECT_GE(pairs, exact);
+  EXPECT_LE(pairs, 1.5 * exact);  // it did cull
+  EXPECT_EQ(candidate(all, "osg traversal-only")["audited_pairs"], pairs);
+}
+
+TEST_F(BenchCull, ExponentsTellHowTimeGrowsWithTiles) {
+  const Outcome outcome = bench({"--exponents", "tiles"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json tiles = report()["exponents"]["tiles"];
+  EXPECT_FALSE(report()["exponents"].contains("objects"));
+  ASSERT_GE(tiles["methods"].size(), 6U);
+  for (const Json& method : tiles["methods"]) {
+    ASSERT_EQ(method["points"].size(), 6U);
+    EXPECT_EQ(method["points"][5]["tiles"], 1024);
+    for (const Json& point : method["points"])
+      EXPECT_GT(point["us"]["p50"], 0) << method["name"];
+    EXPECT_TRUE(method["slope"].is_number()) << method["name"];
+    if (method["name"] == "oh obb") {  // once for each tile: certainly grows
+      EXPECT_GT(method["slope"], 0.3);
+      EXPECT_LT(method["slope"], 1.2);
+    }
+  }
+}
+
+TEST_F(BenchCull, ExponentsTellHowTimeGrowsWithObjects) {
+  ASSERT_EQ(bench({"--exponents", "objects", "--most-leaves", "10000", "--out", folder_ / "cities"}).status,
+            0);
+  const Json objects = report()["exponents"]["objects"];
+  ASSERT_EQ(objects["methods"][0]["points"].size(), 2U);
+  EXPECT_EQ(objects["methods"][0]["points"][1]["leaves"], 10'000);
+  EXPECT_TRUE(std::ifstream(folder_ / "cities/city-1000.glb").good());
+}
+
+TEST_F(BenchCull, TargetsAreMeasuredAndJudged) {
+  const Outcome outcome =
+      run({program("tessera"), "bench", "targets", "--out", folder_ / "targets", "--only", "P", "--runs", "2",
+           "--frame-scale", "0.001", "--json", folder_ / "targets.json"},
+          seconds(120));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  std::size_t judged = 0;
+  const Json targets = readJson(folder_ / "targets.json");
+  for (const Json& figure : targets["figures"]) {
+    ASSERT_EQ(figure["measured"].size(), 2U) << figure["name"];
+    if (!figure.contains("target")) continue;
+    ++judged;
+    const double measured = figure["measured"][1], target = figure["target"];
+    EXPECT_EQ(figure["met"][1], figure["bound"] == "at least" ? measured >= target : measured <= target)
+        << figure["name"];
+  }
+  EXPECT_GE(judged, 14U);
 }
 
 TEST_F(CullingTools, BenchPapersWritesEveryFigure) {
