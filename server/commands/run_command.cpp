@@ -37,6 +37,7 @@ MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOpti
   if (!flags.out.empty() && !flags.noPictures && flags.surface == "offscreen")
     options.pictureFolder = flags.out;
   options.pictureEvery = flags.pictureEvery;
+  options.countTriangles = !flags.frameLog.empty();
   return options;
 }
 
@@ -118,13 +119,14 @@ Status runWall(const RunFlags& flags) {
             if (Status status = tiles.check(true); !status) spdlog::error("{}", status.error().text());
           },
       .progress = [&progress](std::uint64_t done, std::uint64_t) { progress.update(done); }};
-  const auto report = master.run(hooks, false);
+  auto report = master.run(hooks, false);
   progress.finish();
   tiles.end(std::chrono::milliseconds(200));
   if (!report) {
     if (signals.wasStopped()) return runtimeError("", "stopped before the first frame");
     return report.error();
   }
+  nameMode(*report, flags.files, flags.cull);
   printSummary(*report);
   return writeReport(flags, *report);
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "proto/codec.h"
 #include "proto/list_codec.h"
 
 namespace tessera {
@@ -55,7 +54,7 @@ proto::Bytes encodeLeaves(const Scene& scene, const std::vector<std::uint32_t>& 
 /// Queues a geometry message that is made only when it is its turn.
 template <class Make>
 void sendLazily(net::Connection& connection, const std::shared_ptr<TileTraffic>& traffic, Make make) {
-  connection.send([traffic, make = std::move(make)] {
+  connection.queue([traffic, make = std::move(make)] {
     auto bytes = std::make_shared<const proto::Bytes>(make());
     traffic->geometryBytes += bytes->size();
     return bytes;
@@ -70,25 +69,29 @@ void TileMirror::follow(std::uint64_t session) {
   knownLeaves_.assign(knownLeaves_.size(), false);
   knownAssets_.clear();
   baseFrame_ = pendingFrame_ = 0;
-  baseList_.clear();
-  pendingList_.clear();
+  baseLeafCount_ = pendingLeafCount_ = 0;
 }
 
 void TileMirror::acknowledge(std::uint64_t frame) {
   if (frame == 0 || frame != pendingFrame_) return;
   baseFrame_ = frame;
-  std::swap(baseList_, pendingList_);
+  baseLeafCount_ = pendingLeafCount_;
   pendingFrame_ = 0;
 }
 
-TileMirror::Sent TileMirror::send(net::Connection& connection, const FrameOrder& order) {
+TileMirror::Sent TileMirror::send(net::Connection& connection, proto::Encoder& encoder,
+                                  const FrameOrder& order) {
   Sent sent;
-  sendGeometry(connection, differenceOf(*order.list, baseList_), sent);
-  proto::encodeListDelta(baseList_, *order.list, delta_);
+  sendGeometry(connection, *order.toggled, sent);
+  // Of the leaves that toggled, those that came outnumber those that went by what the list has grown.
+  const std::uint64_t had = order.baseFrame == 0 ? 0 : baseLeafCount_;
+  const std::uint64_t came = (leafCount(*order.toggled) + order.leafCount - had) / 2;
+  sent.hits = static_cast<std::uint32_t>(came) - sent.leaves;
+  proto::encodeToggles(*order.toggled, delta_);
 
   proto::Frame message;
   message.frame = order.frame;
-  message.baseFrame = baseFrame_;
+  message.baseFrame = order.baseFrame;
   message.eye = order.frustum->eye;
   message.corners = order.frustum->corners;
   message.nearM = order.frustum->near.value();
@@ -96,15 +99,15 @@ TileMirror::Sent TileMirror::send(net::Connection& connection, const FrameOrder&
   message.right = order.view->right;
   message.up = order.view->up;
   message.toggles = delta_;
-  message.listLeafCount = static_cast<std::uint32_t>(leafCount(*order.list));
+  message.listLeafCount = order.leafCount;
   message.wantPicture = order.wantPicture;
-  proto::Bytes bytes = proto::encode(message);
+  const std::span<const std::byte> bytes = encoder.encode(message);
   sent.listBytes = bytes.size();
   traffic_->listBytes += bytes.size();
-  connection.send(std::move(bytes));
+  connection.queue(bytes);
 
   pendingFrame_ = order.frame;
-  pendingList_ = *order.list;
+  pendingLeafCount_ = order.leafCount;
   return sent;
 }
 
@@ -118,20 +121,19 @@ void TileMirror::needAsset(const AssetId& id, Sent& sent) {
   ++sent.assets;
 }
 
-void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& entering, Sent& sent) {
+void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& toggled, Sent& sent) {
   missingAssets_.clear();
   missingLeaves_.clear();
-  forEachLeaf(entering, [&](std::uint32_t leaf) {
-    if (knownLeaves_[leaf]) {
-      ++sent.hits;
-      return;
-    }
+  // What goes out of view is known, and so is most of what comes.
+  forEachLeaf(toggled, [&](std::uint32_t leaf) {
+    if (knownLeaves_[leaf]) return;
     knownLeaves_[leaf] = true;
     missingLeaves_.push_back(leaf);
     needAsset(scene_->leaves[leaf].state, sent);
     needAsset(scene_->leaves[leaf].drawable, sent);
   });
   sent.leaves = static_cast<std::uint32_t>(missingLeaves_.size());
+  if (missingLeaves_.empty()) return;
 
   std::vector<AssetId> batch;
   std::size_t batchBytes = 0;

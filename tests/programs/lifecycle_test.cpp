@@ -94,7 +94,8 @@ class Lifecycle : public ::testing::Test {
             "--surface",
             surface};
   }
-  /// Tiles of a wall run by `tessera run` whose arguments hold this test's folder are found by their parent.
+  /// Tiles of a wall run by `tessera run` whose arguments hold this test's
+  /// folder are found by their parent.
   static std::vector<pid_t> childrenOf(pid_t parent) {
     std::vector<pid_t> children;
     std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
@@ -131,6 +132,27 @@ TEST_F(Lifecycle, RunEndsByItselfAndLeavesPicturesAndAReport) {
     EXPECT_GT(tile.at("peak_resident_bytes"), 1'000'000) << name;
   }
   EXPECT_FALSE(json.at("swap_skew_us").is_null());
+  EXPECT_GT(json.at("stages_ms").at("master").at("p50"), 0);
+  EXPECT_GT(json.at("master_share_of_60hz_percent").at("max"), 0);
+  const auto& mode = json.at("mode");
+  EXPECT_TRUE(mode.at("picked").is_string());
+  EXPECT_EQ(mode.at("hierarchy"), "graph");
+  EXPECT_EQ(mode.at("mtpl"), 0);
+  EXPECT_TRUE(mode.at("switches").empty());
+}
+
+TEST_F(Lifecycle, TheReportNamesWhatRan) {
+  const Outcome outcome =
+      run(runArguments(3, {"--surface", "none", "--hierarchy", "bvh", "--mtpl", "50", "--algorithm",
+                           "adaptive", "--octant-test", "--json", folder_ / "report.json"}),
+          seconds(60));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto mode = report(folder_ / "report.json").at("mode");
+  EXPECT_EQ(mode.at("algorithm"), "adaptive");
+  EXPECT_EQ(mode.at("picked"), "adaptive");
+  EXPECT_EQ(mode.at("hierarchy"), "bvh");
+  EXPECT_EQ(mode.at("mtpl"), 50);
+  EXPECT_EQ(mode.at("switches"), nlohmann::json::array({"octant-test"}));
 }
 
 class LifecycleSignal : public Lifecycle, public ::testing::WithParamInterface<int> {};
