@@ -186,13 +186,10 @@ void Master::sendFrame(std::uint64_t frame, const WallView& view, const cull::Cu
                        const cull::Changes& changes) {
   std::uint64_t listBytes = 0, geometryBytes = 0;
   const auto start = Clock::now();
+  roster_.startFrame(frame, peers_);
   for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
-    const TileRoster::Peer peer = roster_.peer(tile);
-    if (!peer.connection || !peer.idle()) {
-      roster_.frameMissed(tile);
-      continue;
-    }
-    const TileMirror::Sent sent = sendTo(tile, peer, frame, view, culler, changes);
+    if (!peers_[tile].connection) continue;
+    const TileMirror::Sent sent = sendTo(tile, peers_[tile], frame, view, culler, changes);
     listBytes += sent.listBytes;
     geometryBytes += sent.assetBytes;
     RunReport::TileEntry& entry = report_.tiles[tile];
@@ -215,7 +212,6 @@ TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer
   TileMirror& mirror = mirrors_[tile];
   mirror.follow(peer.session);
   mirror.acknowledge(peer.acknowledged);
-  roster_.frameSent(tile, peer.session, frame);
   TileMirror::FrameOrder order{.frame = frame,
                                .view = &view,
                                .frustum = &view.tiles[tile],
@@ -262,9 +258,8 @@ void Master::endFrame(std::uint64_t frame) {
 
 void Master::broadcastSwap(std::uint64_t frame) {
   const std::span<const std::byte> message = encoder_.encode(proto::Swap{frame});
-  for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
-    const TileRoster::Peer peer = roster_.peer(tile);
-    if (peer.connection && peer.sent == frame) peer.connection->queue(message);
+  for (const TileRoster::Peer& peer : peers_) {
+    if (peer.connection) peer.connection->queue(message);
   }
   wakeWriters_.post(io_);
 }

@@ -105,6 +105,7 @@ class Master {
   std::vector<TileMirror> mirrors_;
   proto::Encoder encoder_;
   VisibleList wholeList_;
+  std::vector<TileRoster::Peer> peers_;  ///< who was sent the last frame
   RunReport report_;
   std::vector<std::uint64_t> trianglesBefore_;  ///< by leaf; one more than leaves
   std::chrono::steady_clock::time_point firstFrame_, lastPaced_, lastSwap_;

@@ -99,16 +99,22 @@ TileRoster::Peer TileRoster::peer(std::uint32_t tile) const {
   return {slot.session, slot.connection, slot.acknowledged, slot.sent};
 }
 
-void TileRoster::frameSent(std::uint32_t tile, std::uint64_t session, std::uint64_t frame) {
+void TileRoster::startFrame(std::uint64_t frame, std::vector<Peer>& peers) {
   const std::lock_guard lock(mutex_);
-  Slot& slot = slots_[tile];
-  if (slot.session != session || !slot.connection) return;
-  if (frame != newestFrame_) {
-    newestFrame_ = frame;
-    drawing_ = 0;
+  newestFrame_ = frame;
+  drawing_ = 0;
+  peers.resize(slots_.size());
+  for (std::size_t tile = 0; tile < slots_.size(); ++tile) {
+    Slot& slot = slots_[tile];
+    if (!slot.connection || slot.acknowledged != slot.sent) {
+      ++slot.counts.framesMissed;
+      peers[tile] = {};
+      continue;
+    }
+    slot.sent = frame;
+    ++drawing_;
+    peers[tile] = {slot.session, slot.connection, slot.acknowledged, slot.sent};
   }
-  slot.sent = frame;
-  ++drawing_;
 }
 
 void TileRoster::frameMissed(std::uint32_t tile) {
@@ -140,8 +146,7 @@ Result<bool> TileRoster::waitAllBound(Deadline deadline, const std::function<Sta
 
 std::vector<std::uint32_t> TileRoster::waitReady(std::uint64_t frame, Deadline deadline) {
   std::unique_lock lock(mutex_);
-  (void)noneDraws_.wait_until(lock, deadline,
-                              [&] { return stopping_ || frame != newestFrame_ || drawing_ == 0; });
+  (void)noneDraws_.wait_until(lock, deadline, [&] { return stopping_ || drawing_ == 0; });
   std::vector<std::uint32_t> late;
   for (std::uint32_t tile = 0; tile < slots_.size(); ++tile) {
     if (isDrawing(slots_[tile], frame)) late.push_back(tile);

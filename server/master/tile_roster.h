@@ -68,11 +68,11 @@ class TileRoster {
     std::shared_ptr<net::Connection> connection;
     std::uint64_t acknowledged = 0;  ///< last frame that it said Ready to
     std::uint64_t sent = 0;          ///< last frame that is on its way or there
-    [[nodiscard]] bool idle() const { return acknowledged == sent; }
   };
   [[nodiscard]] Peer peer(std::uint32_t tile) const;
-  /// Tells that a frame is on its way to the tile.
-  void frameSent(std::uint32_t tile, std::uint64_t session, std::uint64_t frame);
+  /// Whom the caller is to send a frame now, by tile: a null connection where nobody is or has not yet said
+  /// Ready to the frame before, and misses this one. `peers` is refilled.
+  void startFrame(std::uint64_t frame, std::vector<Peer>& peers);
   void frameMissed(std::uint32_t tile);
 
   using Deadline = std::chrono::steady_clock::time_point;
