@@ -45,14 +45,15 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
                .roster = roster_,
                .pictures = pictures_.get(),
                .deadlines = {},
-               .handshakes = 0} {
+               .handshakes = 0},
+      assetNumbers_(scene) {
   trianglesBefore_.reserve(scene.leaves.size() + 1);
   trianglesBefore_.push_back(0);
   for (const SceneLeaf& leaf : scene.leaves)
     trianglesBefore_.push_back(trianglesBefore_.back() + leaf.triangles);
   mirrors_.reserve(wall.tiles.size());
   for (std::size_t i = 0; i < wall.tiles.size(); ++i)
-    mirrors_.emplace_back(scene);
+    mirrors_.emplace_back(scene, assetNumbers_);
 }
 
 Master::~Master() {

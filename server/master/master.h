@@ -102,6 +102,7 @@ class Master {
   TileRoster roster_;
   std::unique_ptr<PictureWriter> pictures_;
   SessionContext context_;
+  const AssetNumbers assetNumbers_;
   std::vector<TileMirror> mirrors_;
   proto::Encoder encoder_;
   VisibleList wholeList_;
