@@ -36,6 +36,9 @@ Connection::Connection(tcp::socket socket)
   taken_.reserve(kUsualStretches);
   queue_.reserve(kUsualStretches);
   spare_.reserve(kUsualStretches);
+  // One is written while the next fills: whether that ever happens, and when, is a matter of timing.
+  for (int i = 0; i < 3; ++i)
+    spare_.emplace_back().reserve(kSmallStretchBytes);
 }
 
 void Connection::guard(Watch& watch, Milliseconds deadline) {
