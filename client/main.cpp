@@ -27,8 +27,12 @@ int main(int argc, char** argv) {
   app.add_option("--connect", address, "The master's address, HOST:PORT")
       ->required()
       ->envname("TESSERA_CONNECT");
-  app.add_option("--tile", options.tileName, "Name of the tile in the wall file, for example r0c1")
+  app.add_option(
+         "--tile", options.tileNames,
+         "Name of the tile in the wall file, for example r0c1; with --surface none also several, each "
+         "with a --tile of its own")
       ->required()
+      ->allow_extra_args(false)
       ->envname("TESSERA_TILE");
   const std::map<std::string, SurfaceKind> surfaces = {{"offscreen", SurfaceKind::Offscreen},
                                                        {"none", SurfaceKind::None}};
@@ -49,12 +53,16 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return fail(tessera::inputError("command line", e.what(), "see tessera-tile --help"));
   }
+  if (options.tileNames.size() > 1 && options.surface != SurfaceKind::None) {
+    return fail(tessera::inputError("--tile", "a process draws one tile",
+                                    "start a process for each, or add --surface none"));
+  }
   const auto master = tessera::net::parseHostPort(address);
   if (!master) return fail(master.error());
   options.master = *master;
   options.connectDeadline = std::chrono::milliseconds(static_cast<int>(connectS * 1000));
   try {
-    if (const tessera::Status status = tessera::runTile(options); !status) return fail(status.error());
+    if (const tessera::Status status = tessera::runTiles(options); !status) return fail(status.error());
   } catch (const std::exception& e) {
     return fail(tessera::runtimeError("", e.what()));
   }

@@ -1,5 +1,6 @@
 #include "client/tile_client.h"
 
+#include <memory>
 #include <optional>
 
 #include <spdlog/spdlog.h>
@@ -45,6 +46,8 @@ class TileConversation {
     return Done{};
   }
 
+  [[nodiscard]] const std::shared_ptr<net::Connection>& master() const { return master_; }
+
   awaitable<Status> run() {
     const net::Milliseconds idle{welcome_.idleTimeoutMs};
     while (!over_) {
@@ -63,26 +66,31 @@ class TileConversation {
   }
 
  private:
+  static std::string nameOf(const proto::Frame& frame) { return "frame " + std::to_string(frame.frame); }
+
   Status handle(const proto::Assets& message) { return cache_.add(message); }
   Status handle(const proto::Leaves& message) { return cache_.add(message, welcome_.leafCount); }
 
   Status handle(const proto::Frame& frame) {
-    const std::string name = "frame " + std::to_string(frame.frame);
-    if (frame.frame <= frame_) return runtimeError(name, "comes after frame " + std::to_string(frame_));
+    if (frame.frame <= frame_)
+      return runtimeError(nameOf(frame), "comes after frame " + std::to_string(frame_));
     // The list of the last frame is the only one that was acknowledged last.
     if (frame.baseFrame != 0 && frame.baseFrame != frame_)
-      return runtimeError(name, "builds on a list that is not here");
+      return runtimeError(nameOf(frame), "builds on a list that is not here");
     if (frame.baseFrame == 0) list_.clear();
     if (Status status = proto::applyListDeltaInto(list_, frame.toggles, welcome_.leafCount, nextList_);
         !status) {
       return status;
     }
     std::swap(list_, nextList_);
-    if (leafCount(list_) != frame.listLeafCount) return runtimeError(name, "has a list of the wrong length");
-    for (const LeafRange range : list_) {
+    if (leafCount(list_) != frame.listLeafCount)
+      return runtimeError(nameOf(frame), "has a list of the wrong length");
+    // What was listed before is here.
+    symmetricDifferenceInto(list_, nextList_, toggled_);
+    for (const LeafRange range : toggled_) {
       for (std::uint32_t leaf = range.first; leaf != range.last; ++leaf) {
         if (!cache_.has(leaf))
-          return runtimeError(name, "lists leaf " + std::to_string(leaf) + ", which was not sent");
+          return runtimeError(nameOf(frame), "lists leaf " + std::to_string(leaf) + ", which was not sent");
       }
     }
     frame_ = frame.frame;
@@ -142,66 +150,101 @@ class TileConversation {
   std::unique_ptr<Surface> surface_;
   TileCache cache_;
   std::optional<TileView> view_;
-  VisibleList list_, nextList_;
+  VisibleList list_, nextList_, toggled_;
   std::uint64_t frame_ = 0, framesShown_ = 0;
   bool isReady_ = false, wantPicture_ = false, over_ = false;
 };
 
-/// Ends the connection, after what is queued, however the conversation ends: the io context runs until then.
-struct Closer {
-  std::shared_ptr<net::Connection> connection;
-  ~Closer() { connection->closeAfterSending(); }
-};
+/// The tiles of one process.
+class TileGroup {
+ public:
+  explicit TileGroup(const TileOptions& options) : options_(options) {}
 
-awaitable<Status> converse(const TileOptions& options) {
-  auto connected = co_await net::connect(options.master, options.connectDeadline);
-  if (!connected) co_return connected.error();
-  const std::shared_ptr<net::Connection> master = *connected;
-  const Closer closer{master};
-  master->startWriter(kWriteDeadline);
-  proto::Hello hello;
-  hello.tileName = options.tileName;
-  hello.programVersion = TESSERA_VERSION;
-  hello.clockId = hostClockId();
-  hello.surface = options.surface;
-  hello.pid = static_cast<std::uint32_t>(::getpid());
-  if (options.surface == proto::SurfaceKind::Offscreen) {
-    hello.maxWidthPx = hello.maxHeightPx = static_cast<std::uint32_t>(maxOffscreenSidePx());
+  Status run() {
+    spawn(joinAll());
+    // Ends when all conversations are over and everything queued has been written.
+    io_.run();
+    return outcome_;
   }
-  master->send(proto::encode(hello));
-  auto reply = co_await master->read(proto::Expect::WelcomeOrError, kHandshakeDeadline);
-  if (!reply) co_return reply.error();
-  if (reply->type == proto::MessageType::Error) {
-    const auto error = proto::decodeError(reply->payload);
-    co_return runtimeError("master " + master->peer(), error ? error->text : error.error().what);
+
+ private:
+  /// One after the other: the tiles of a large wall shall not all come upon the master at once.
+  awaitable<void> joinAll() {
+    for (const std::string& name : options_.tileNames) {
+      auto connected = co_await net::connect(options_.master, options_.connectDeadline);
+      if (!connected) co_return fail(connected.error());
+      if (!outcome_) co_return (*connected)->close();
+      connections_.push_back(*connected);
+      auto tile = co_await join(*connected, name);
+      if (!tile) co_return fail(tile.error());
+      spawn(converse(std::move(*tile)));
+    }
   }
-  auto welcome = proto::decodeWelcome(reply->payload);
-  if (!welcome) co_return welcome.error();
-  TileConversation conversation(master, std::move(*welcome), options.surface);
-  if (Status status = conversation.openSurface(); !status) {
-    master->send(proto::encode(proto::ErrorMessage{proto::ErrorCode::Internal, status.error().text()}));
-    co_return status;
+
+  awaitable<Result<std::unique_ptr<TileConversation>>> join(std::shared_ptr<net::Connection> master,
+                                                            std::string name) {
+    master->startWriter(kWriteDeadline);
+    proto::Hello hello;
+    hello.tileName = name;
+    hello.programVersion = TESSERA_VERSION;
+    hello.clockId = hostClockId();
+    hello.surface = options_.surface;
+    hello.pid = static_cast<std::uint32_t>(::getpid());
+    if (options_.surface == proto::SurfaceKind::Offscreen) {
+      hello.maxWidthPx = hello.maxHeightPx = static_cast<std::uint32_t>(maxOffscreenSidePx());
+    }
+    master->send(proto::encode(hello));
+    auto reply = co_await master->read(proto::Expect::WelcomeOrError, kHandshakeDeadline);
+    if (!reply) co_return reply.error();
+    if (reply->type == proto::MessageType::Error) {
+      const auto error = proto::decodeError(reply->payload);
+      co_return runtimeError("master " + master->peer(), error ? error->text : error.error().what);
+    }
+    auto welcome = proto::decodeWelcome(reply->payload);
+    if (!welcome) co_return welcome.error();
+    auto tile = std::make_unique<TileConversation>(master, std::move(*welcome), options_.surface);
+    if (Status status = tile->openSurface(); !status) {
+      master->send(proto::encode(proto::ErrorMessage{proto::ErrorCode::Internal, status.error().text()}));
+      co_return status.error();
+    }
+    co_return tile;
   }
-  co_return co_await conversation.run();
-}
+
+  awaitable<void> converse(std::unique_ptr<TileConversation> tile) {
+    const Status status = co_await tile->run();
+    if (!status) co_return fail(status.error());
+    tile->master()->closeAfterSending();
+  }
+
+  void spawn(awaitable<void> work) {
+    net::asio::co_spawn(io_, std::move(work), [this](const std::exception_ptr& exception) {
+      if (!exception) return;
+      try {
+        std::rethrow_exception(exception);
+      } catch (const std::exception& e) {
+        fail(runtimeError("", e.what()));
+      }
+    });
+  }
+
+  /// Ends all connections, after what is queued; the first error is the one that is told.
+  void fail(const Error& error) {
+    if (!outcome_) return;
+    outcome_ = error;
+    for (const auto& connection : connections_)
+      connection->closeAfterSending();
+  }
+
+  const TileOptions& options_;
+  Status outcome_ = Done{};
+  net::asio::io_context io_{1};
+  std::vector<std::shared_ptr<net::Connection>> connections_;
+};
 
 }  // namespace
 
-Status runTile(const TileOptions& options) {
-  net::asio::io_context io(1);
-  Status outcome = runtimeError("", "the tile ended without a result");
-  const auto conversation = [&]() -> awaitable<void> { outcome = co_await converse(options); };
-  net::asio::co_spawn(io, conversation, [&outcome](const std::exception_ptr& exception) {
-    if (!exception) return;
-    try {
-      std::rethrow_exception(exception);
-    } catch (const std::exception& e) {
-      outcome = runtimeError("", e.what());
-    }
-  });
-  // Ends when the conversation is over and everything queued has been written.
-  io.run();
-  return outcome;
+Status runTiles(const TileOptions& options) {
+  return TileGroup(options).run();
 }
 
 }  // namespace tessera

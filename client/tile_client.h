@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/net/connection.h"
@@ -11,12 +12,14 @@ namespace tessera {
 
 struct TileOptions {
   net::HostPort master;
-  std::string tileName;
+  std::vector<std::string> tileNames;  ///< several only where nothing is drawn
   proto::SurfaceKind surface = proto::SurfaceKind::Offscreen;
   std::chrono::milliseconds connectDeadline{10'000};
 };
 
 /// Connects, draws what the master says until it says Bye, and leaves. An error names who failed and why.
-[[nodiscard]] Status runTile(const TileOptions& options);
+/// Several tiles have a connection each and share this thread; where one fails all leave, so that whoever
+/// started the process sees it end.
+[[nodiscard]] Status runTiles(const TileOptions& options);
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <variant>
 #include <vector>
@@ -29,6 +30,23 @@ using Bytes = std::vector<std::byte>;
 [[nodiscard]] Bytes encode(const Pong& pong);
 [[nodiscard]] Bytes encode(const Bye& bye);
 [[nodiscard]] Bytes encode(const ErrorMessage& error);
+
+/// Encodes the messages of every frame to the bytes of encode(), in memory that is kept: does not allocate
+/// once warm.
+class Encoder {
+ public:
+  Encoder();
+  ~Encoder();
+  Encoder(const Encoder&) = delete;
+  Encoder& operator=(const Encoder&) = delete;
+  /// The message, until the next call.
+  [[nodiscard]] std::span<const std::byte> encode(const Frame& frame);
+  [[nodiscard]] std::span<const std::byte> encode(const Swap& swap);
+
+ private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+};
 
 // Decoders of a payload (without header). Safe for untrusted bytes: each reads nothing outside of `payload`,
 // holds no more memory than a small multiple of it, and refuses with a ProtocolError whatever is malformed or

@@ -49,17 +49,33 @@ Offset<flatbuffers::Vector<std::uint8_t>> addBytes(Builder& builder, std::span<c
 
 /// Ends the payload and puts its header in front; no bytes where the type does not allow as many.
 template <class T>
-Bytes finish(Builder& builder, MessageType type, Offset<T> root) {
+void finishInto(Builder& builder, MessageType type, Offset<T> root, Bytes& bytes) {
+  bytes.clear();
   builder.FinishSizePrefixed(root);
   const auto payload = std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize()));
-  if (payload.size() > maxPayloadBytes(type)) return {};
+  if (payload.size() > maxPayloadBytes(type)) return;
   std::array<std::byte, kHeaderBytes> header = {};
   writeHeader(headerFor(type, payload), header);
-  Bytes bytes;
   bytes.reserve(header.size() + payload.size());
   bytes.insert(bytes.end(), header.begin(), header.end());
   bytes.insert(bytes.end(), payload.begin(), payload.end());
+}
+
+template <class T>
+Bytes finish(Builder& builder, MessageType type, Offset<T> root) {
+  Bytes bytes;
+  finishInto(builder, type, root, bytes);
   return bytes;
+}
+
+Offset<wire::Frame> addFrame(Builder& builder, const Frame& frame) {
+  const auto toggles = addBytes(builder, frame.toggles);
+  const wire::Vec3 eye = toWire(frame.eye);
+  const wire::Corners corners = toWire(frame.corners);
+  const wire::Vec3 right = toWire(frame.right);
+  const wire::Vec3 up = toWire(frame.up);
+  return wire::CreateFrame(builder, frame.frame, frame.baseFrame, &eye, &corners, frame.nearM, frame.farM,
+                           &right, &up, toggles, frame.listLeafCount, frame.wantPicture);
 }
 
 Offset<wire::Leaf> addLeaf(Builder& builder, const LeafRecord& leaf) {
@@ -140,14 +156,29 @@ Bytes encode(const Leaves& leaves) {
 Bytes encode(const Frame& frame) {
   if (frame.toggles.size() > maxPayloadBytes(MessageType::Frame)) return {};
   Builder builder(kSmallBytes + frame.toggles.size());
-  const auto toggles = addBytes(builder, frame.toggles);
-  const wire::Vec3 eye = toWire(frame.eye);
-  const wire::Corners corners = toWire(frame.corners);
-  const wire::Vec3 right = toWire(frame.right);
-  const wire::Vec3 up = toWire(frame.up);
-  return finish(builder, MessageType::Frame,
-                wire::CreateFrame(builder, frame.frame, frame.baseFrame, &eye, &corners, frame.nearM,
-                                  frame.farM, &right, &up, toggles, frame.listLeafCount, frame.wantPicture));
+  return finish(builder, MessageType::Frame, addFrame(builder, frame));
+}
+
+struct Encoder::Buffers {
+  Builder builder{kSmallBytes};
+  Bytes bytes;
+};
+
+Encoder::Encoder() : buffers_(std::make_unique<Buffers>()) {}
+Encoder::~Encoder() = default;
+
+std::span<const std::byte> Encoder::encode(const Frame& frame) {
+  if (frame.toggles.size() > maxPayloadBytes(MessageType::Frame)) return {};
+  buffers_->builder.Clear();
+  finishInto(buffers_->builder, MessageType::Frame, addFrame(buffers_->builder, frame), buffers_->bytes);
+  return buffers_->bytes;
+}
+
+std::span<const std::byte> Encoder::encode(const Swap& swap) {
+  buffers_->builder.Clear();
+  finishInto(buffers_->builder, MessageType::Swap, wire::CreateSwap(buffers_->builder, swap.frame),
+             buffers_->bytes);
+  return buffers_->bytes;
 }
 
 Bytes encode(const Ready& ready) {

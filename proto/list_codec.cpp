@@ -183,6 +183,17 @@ void encodeListDelta(const VisibleList& before, const VisibleList& now, std::vec
   });
 }
 
+void encodeToggles(const VisibleList& toggled, std::vector<std::byte>& out) {
+  out.clear();
+  appendVarint(static_cast<std::uint32_t>(toggled.size()), out);
+  std::uint32_t least = 0;
+  for (const LeafRange range : toggled) {
+    appendVarint(range.first - least, out);
+    appendVarint(range.last - range.first - 1, out);
+    least = range.last + 1;
+  }
+}
+
 Status applyListDeltaInto(const VisibleList& before, std::span<const std::byte> delta,
                           std::uint32_t leafCount, VisibleList& out) {
   assert(&before != &out);

@@ -24,6 +24,10 @@ namespace tessera::proto {
 /// capacity is reused.
 void encodeListDelta(const VisibleList& before, const VisibleList& now, std::vector<std::byte>& out);
 
+/// The same bytes where the delta itself is known: `toggled` are the leaves in exactly one of the two lists,
+/// canonical.
+void encodeToggles(const VisibleList& toggled, std::vector<std::byte>& out);
+
 /// Applies a delta. Safe for untrusted bytes: anything but the one encoding of a delta within `leafCount` is
 /// refused (ProtocolError::BadList, Truncated or TrailingBytes). `before` must be canonical and within
 /// `leafCount`; the result then is, too. Its size is at most before.size() + delta.size() / 2.

@@ -1,6 +1,7 @@
 #include "common/base/host.h"
 
 #include <chrono>
+#include <ctime>
 #include <fstream>
 
 #include <sys/resource.h>
@@ -20,6 +21,12 @@ std::int64_t monotonicNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
+}
+
+std::int64_t threadCpuNs() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
 std::uint64_t peakResidentBytes() {

@@ -12,6 +12,9 @@ namespace tessera {
 /// The monotonic clock, nanoseconds.
 [[nodiscard]] std::int64_t monotonicNs();
 
+/// Processor time of the calling thread so far, nanoseconds; waiting takes none.
+[[nodiscard]] std::int64_t threadCpuNs();
+
 /// Largest resident set of this process so far.
 [[nodiscard]] std::uint64_t peakResidentBytes();
 

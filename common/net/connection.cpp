@@ -1,13 +1,17 @@
 #include "common/net/connection.h"
 
 #include <algorithm>
+#include <bit>
 #include <span>
+#include <utility>
 
 namespace tessera::net {
 
 namespace {
 
 constexpr std::size_t kStretchBytes = 1 << 20;
+constexpr std::size_t kReceiveBytes = 1 << 14, kSmallStretchBytes = 1 << 12;
+constexpr std::size_t kUsualStretches = 8;  // that wait at a time for a peer that keeps up
 
 std::string nameOf(const tcp::socket& socket) {
   error_code ec;
@@ -22,20 +26,36 @@ std::string nameOf(const tcp::socket& socket) {
 Connection::Connection(tcp::socket socket)
     : socket_(std::move(socket)),
       peer_(nameOf(socket_)),
-      readTimer_(socket_.get_executor()),
-      writeTimer_(socket_.get_executor()),
-      wakeWriter_(socket_.get_executor()) {
+      reading_(socket_.get_executor()),
+      writing_(socket_.get_executor()),
+      wakeWriter_(socket_.get_executor()),
+      received_(kReceiveBytes) {
   error_code ignored;
   socket_.set_option(tcp::no_delay(true), ignored);
+  socket_.non_blocking(true, ignored);
+  taken_.reserve(kUsualStretches);
+  queue_.reserve(kUsualStretches);
+  spare_.reserve(kUsualStretches);
+  // One is written while the next fills: whether that ever happens, and when, is a matter of timing.
+  for (int i = 0; i < 3; ++i)
+    spare_.emplace_back().reserve(kSmallStretchBytes);
 }
 
-void Connection::guard(asio::steady_timer& timer, std::uint64_t& operation, Milliseconds deadline) {
-  const std::uint64_t mine = ++operation;
-  timer.expires_after(deadline);
-  // The count tells a timer that fired just as its operation ended from one that is due.
-  timer.async_wait([weak = weak_from_this(), &operation, mine](const error_code& ec) {
+void Connection::guard(Watch& watch, Milliseconds deadline) {
+  if (!socket_.is_open()) return;  // whatever is tried fails at once
+  watch.due = Clock::now() + deadline;
+  if (watch.due < watch.firesAt) setTimer(watch);
+}
+
+void Connection::setTimer(Watch& watch) {
+  watch.firesAt = watch.due;
+  watch.timer.expires_at(watch.due);
+  watch.timer.async_wait([weak = weak_from_this(), &watch, mine = watch.due](const error_code& ec) {
     const auto self = weak.lock();
-    if (ec || !self || operation != mine) return;
+    if (ec || !self || watch.firesAt != mine) return;
+    watch.firesAt = Clock::time_point::max();
+    if (watch.due == Clock::time_point::max()) return;
+    if (Clock::now() < watch.due) return self->setTimer(watch);
     self->timedOut_ = true;
     self->closeNow();
   });
@@ -43,24 +63,46 @@ void Connection::guard(asio::steady_timer& timer, std::uint64_t& operation, Mill
 
 awaitable<error_code> Connection::readExactly(std::span<std::byte> bytes, Milliseconds deadline) {
   error_code ec;
-  guard(readTimer_, readOperation_, deadline);
+  guard(reading_, deadline);
   co_await asio::async_read(socket_, asio::buffer(bytes.data(), bytes.size()),
                             asio::redirect_error(asio::use_awaitable, ec));
-  ++readOperation_;
-  readTimer_.cancel();
+  reading_.due = Clock::time_point::max();
+  co_return ec;
+}
+
+awaitable<error_code> Connection::receive(std::size_t count, Milliseconds deadline) {
+  std::copy(received_.begin() + static_cast<std::ptrdiff_t>(receivedBegin_),
+            received_.begin() + static_cast<std::ptrdiff_t>(receivedEnd_), received_.begin());
+  receivedEnd_ -= receivedBegin_;
+  receivedBegin_ = 0;
+  error_code ec;
+  guard(reading_, deadline);
+  while (!ec && receivedEnd_ < count) {
+    receivedEnd_ += co_await socket_.async_read_some(
+        asio::buffer(received_.data() + receivedEnd_, received_.size() - receivedEnd_),
+        asio::redirect_error(asio::use_awaitable, ec));
+  }
+  reading_.due = Clock::time_point::max();
   co_return ec;
 }
 
 awaitable<Result<Message>> Connection::read(proto::Expect expect, Milliseconds deadline) {
   const auto self = shared_from_this();
-  std::array<std::byte, proto::kHeaderBytes> headerBytes;
-  if (const error_code ec = co_await readExactly(headerBytes, deadline))
-    co_return failure(ec, "waiting for a message");
-  auto header = proto::parseHeader(headerBytes, expect);
+  if (receivedEnd_ - receivedBegin_ < proto::kHeaderBytes) {
+    if (const error_code ec = co_await receive(proto::kHeaderBytes, deadline))
+      co_return failure(ec, "waiting for a message");
+  }
+  auto header =
+      proto::parseHeader(std::span(received_).subspan(receivedBegin_).first<proto::kHeaderBytes>(), expect);
   if (!header) co_return Error{ErrorKind::Runtime, peer_, header.error().what, header.error().mend};
+  receivedBegin_ += proto::kHeaderBytes;
 
   Message message;
   message.type = header->type;
+  const auto here = std::span(received_).subspan(
+      receivedBegin_, std::min<std::size_t>(receivedEnd_ - receivedBegin_, header->payloadBytes));
+  message.payload.assign(here.begin(), here.end());
+  receivedBegin_ += here.size();
   while (message.payload.size() < header->payloadBytes) {
     const std::size_t had = message.payload.size();
     message.payload.resize(std::min<std::size_t>(header->payloadBytes, had + kStretchBytes));
@@ -82,64 +124,125 @@ void Connection::startWriter(Milliseconds deadline) {
 awaitable<void> Connection::writeQueued([[maybe_unused]] std::shared_ptr<Connection> self,
                                         Milliseconds deadline) {
   while (socket_.is_open()) {
-    bool last = false;
-    const LazyBytes next = takeQueued(last);
-    if (last) break;
-    if (!next) {
+    const Taken taken = takeQueued();
+    if (taken == Taken::NothingEver) break;
+    if (taken == Taken::Nothing) {
       error_code ignored;
       wakeWriter_.expires_at(Clock::time_point::max());
       co_await wakeWriter_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
       continue;
     }
-    const std::shared_ptr<const proto::Bytes> bytes = next();
-    for (std::size_t sent = 0; bytes && sent < bytes->size();) {
-      error_code ec;
-      const std::size_t count = std::min(kStretchBytes, bytes->size() - sent);
-      guard(writeTimer_, writeOperation_, deadline);
-      co_await asio::async_write(socket_, asio::buffer(bytes->data() + sent, count),
-                                 asio::redirect_error(asio::use_awaitable, ec));
-      ++writeOperation_;
-      writeTimer_.cancel();
-      if (ec) {
+    for (const Stretch& stretch : taken_) {
+      const std::shared_ptr<const proto::Bytes> made = stretch.make ? stretch.make() : nullptr;
+      const std::span<const std::byte> bytes = made ? *made : stretch.bytes;
+      if (co_await write(bytes, deadline)) {
         closeNow();
         co_return;
       }
-      sent += count;
     }
   }
   closeNow();
 }
 
-LazyBytes Connection::takeQueued(bool& last) {
+awaitable<error_code> Connection::write(std::span<const std::byte> bytes, Milliseconds deadline) {
+  error_code ec;
+  while (!ec && !bytes.empty()) {
+    const auto stretch = bytes.first(std::min(kStretchBytes, bytes.size()));
+    // Most of what is written fits into the socket's buffer at once.
+    std::size_t sent = socket_.write_some(asio::buffer(stretch.data(), stretch.size()), ec);
+    if (ec == asio::error::would_block || ec == asio::error::try_again) ec = {};
+    if (!ec && sent < stretch.size()) {
+      guard(writing_, deadline);
+      sent += co_await asio::async_write(socket_, asio::buffer(stretch.data() + sent, stretch.size() - sent),
+                                         asio::redirect_error(asio::use_awaitable, ec));
+      writing_.due = Clock::time_point::max();
+    }
+    bytes = bytes.subspan(sent);
+  }
+  co_return ec;
+}
+
+Connection::Taken Connection::takeQueued() {
   const std::lock_guard lock(mutex_);
-  last = queue_.empty() && closing_;
-  if (queue_.empty()) return {};
-  LazyBytes next = std::move(queue_.front());
-  queue_.pop_front();
-  return next;
+  for (Stretch& written : taken_) {
+    const bool isWorthKeeping = written.bytes.capacity() > 0 && written.bytes.capacity() <= kStretchBytes;
+    if (!isWorthKeeping || spare_.size() == kUsualStretches) continue;
+    written.bytes.clear();
+    spare_.push_back(std::move(written.bytes));
+  }
+  taken_.clear();
+  std::swap(queue_, taken_);
+  queuedMessages_ = 0;
+  if (!taken_.empty()) return Taken::Something;
+  writerSleeps_ = !closing_;
+  return closing_ ? Taken::NothingEver : Taken::Nothing;
 }
 
 void Connection::wakeWriter() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(writerSleeps_, false)) return;
+  }
   // The writer looks at the queue before it waits and is woken on its own thread, so no wake-up is lost.
-  asio::post(socket_.get_executor(), [self = shared_from_this()] { self->wakeWriter_.cancel(); });
+  asio::dispatch(socket_.get_executor(), [self = shared_from_this()] { self->wakeWriter_.cancel(); });
+}
+
+bool Connection::mayQueue() {
+  if (closing_) return false;
+  if (++queuedMessages_ <= kMaxQueuedMessages) return true;
+  closing_ = true;
+  queue_.clear();
+  return false;
+}
+
+void Connection::queue(LazyBytes message) {
+  const std::lock_guard lock(mutex_);
+  if (mayQueue()) queue_.push_back({.bytes = {}, .make = std::move(message)});
+}
+
+void Connection::queue(std::span<const std::byte> message) {
+  const std::lock_guard lock(mutex_);
+  if (!mayQueue()) return;
+  const bool fits = !queue_.empty() && !queue_.back().make &&
+                    queue_.back().bytes.size() + message.size() <= queue_.back().bytes.capacity();
+  if (!fits) {
+    Stretch& stretch = queue_.emplace_back();
+    if (!spare_.empty()) {
+      stretch.bytes = std::move(spare_.back());
+      spare_.pop_back();
+    }
+    // Generous and in few sizes: buffers change their places, and all shall soon be large enough.
+    stretch.bytes.reserve(std::max(kSmallStretchBytes, std::bit_ceil(message.size())));
+  }
+  proto::Bytes& bytes = queue_.back().bytes;
+  bytes.insert(bytes.end(), message.begin(), message.end());
+}
+
+void Connection::flush() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (queuedMessages_ == 0 || !std::exchange(writerSleeps_, false)) return;
+  }
+  wakeWriter_.cancel();
 }
 
 void Connection::send(LazyBytes message) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (closing_) return;
-    if (queue_.size() < kMaxQueuedMessages) {
-      queue_.push_back(std::move(message));
-    } else {
-      closing_ = true;
-      queue_.clear();
-    }
-  }
+  queue(std::move(message));
   wakeWriter();
 }
 
 void Connection::send(proto::Bytes message) {
-  send([bytes = std::make_shared<const proto::Bytes>(std::move(message))] { return bytes; });
+  if (message.size() <= kSmallStretchBytes) return send(std::span<const std::byte>(message));
+  {
+    const std::lock_guard lock(mutex_);
+    if (mayQueue()) queue_.push_back({.bytes = std::move(message), .make = {}});
+  }
+  wakeWriter();
+}
+
+void Connection::send(std::span<const std::byte> message) {
+  queue(message);
+  wakeWriter();
 }
 
 void Connection::closeAfterSending() {
@@ -160,6 +263,9 @@ void Connection::closeNow() {
     closing_ = true;  // what is sent from now on has nowhere to go
     queue_.clear();
   }
+  // A timer that is set would keep the io context running.
+  reading_.timer.cancel();
+  writing_.timer.cancel();
   error_code ignored;
   socket_.shutdown(tcp::socket::shutdown_both, ignored);
   socket_.close(ignored);

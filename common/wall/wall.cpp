@@ -51,11 +51,14 @@ DepthRange depthsOf(const Wall& wall, const DepthRange& fitted) {
 /// share a corner share its doubles.
 class Lattice {
  public:
-  Lattice(const Wall& wall, const Axes& axes, const Vec3& eye, double distance, double fovYRad)
-      : columns_(wall.columns), rows_(wall.rows) {
+  /// Kept in `corners`.
+  Lattice(const Wall& wall, const Axes& axes, const Vec3& eye, double distance, double fovYRad,
+          std::vector<Vec3>& corners)
+      : columns_(wall.columns), rows_(wall.rows), corners_(corners) {
     const Vec3 origin = eye + axes.forward * distance;
     const double halfHeight = distance * std::tan(fovYRad / 2);
     const double halfWidth = halfHeight * wall.widthPx() / wall.heightPx();
+    corners_.clear();
     corners_.reserve((static_cast<std::size_t>(columns_) + 1) * (static_cast<std::size_t>(rows_) + 1));
     // The quotients run from exactly -1 to exactly 1 and are symmetric, so the outermost corners do not
     // depend on how the wall is divided.
@@ -81,7 +84,7 @@ class Lattice {
   }
 
   int columns_, rows_;
-  std::vector<Vec3> corners_;
+  std::vector<Vec3>& corners_;
 };
 
 }  // namespace
@@ -98,23 +101,32 @@ Wall Wall::untiled() const {
 }
 
 WallView viewOf(const Wall& wall, const CameraPose& pose, const Vec3& sceneCenter, double sceneRadius) {
+  WallView view;
+  viewInto(wall, pose, sceneCenter, sceneRadius, view);
+  return view;
+}
+
+void viewInto(const Wall& wall, const CameraPose& pose, const Vec3& sceneCenter, double sceneRadius,
+              WallView& view) {
   const Axes axes = axesOf(pose);
   const DepthRange depths = depthsOf(wall, fittedDepths(pose, axes.forward, sceneCenter, sceneRadius));
   // How far away the rectangle lies has no meaning, but its corners are rounded to steps that grow with the
   // eye's coordinates. At the far distance, and no nearer than the eye is to the origin, a step is no larger
   // an angle than double's roundoff, even for a tiny scene far out.
   const double distance = std::max(depths.far, pose.eye.cwiseAbs().maxCoeff());
-  const Lattice lattice(wall, axes, pose.eye, distance, pose.fovYRad.value_or(wall.fovYRad));
+  const Lattice lattice(wall, axes, pose.eye, distance, pose.fovYRad.value_or(wall.fovYRad), view.lattice);
 
   const auto frustum = [&](const std::array<Vec3, 4>& corners) {
     return Frustum{pose.eye, corners, depths.near, depths.far};
   };
-  WallView view{frustum(lattice.rectangle(0, 0, wall.columns, wall.rows)), {}, axes.right, axes.up};
+  view.wall = frustum(lattice.rectangle(0, 0, wall.columns, wall.rows));
+  view.right = axes.right;
+  view.up = axes.up;
+  view.tiles.clear();
   view.tiles.reserve(wall.tiles.size());
   for (const Tile& tile : wall.tiles) {
     view.tiles.push_back(frustum(lattice.rectangle(tile.column, tile.row, tile.column + 1, tile.row + 1)));
   }
-  return view;
 }
 
 }  // namespace tessera

@@ -36,6 +36,7 @@ struct WallView {
   Frustum wall;                ///< the primary frustum, over all tiles
   std::vector<Frustum> tiles;  ///< in the order of Wall::tiles
   Vec3 right, up;              ///< unit axes of the image plane; all tiles draw with the same orientation
+  std::vector<Vec3> lattice;   ///< the tiles' corners, (columns + 1) x (rows + 1), row by row from the top
 };
 
 /// A uniform planar grid of tiles seen by one virtual camera. Tiles are stored row by row from the top,
@@ -63,5 +64,9 @@ struct Wall {
 /// the result is some finite view.
 [[nodiscard]] WallView viewOf(const Wall& wall, const CameraPose& pose, const Vec3& sceneCenter,
                               double sceneRadius);
+
+/// The same into `view`, whose capacities are reused.
+void viewInto(const Wall& wall, const CameraPose& pose, const Vec3& sceneCenter, double sceneRadius,
+              WallView& view);
 
 }  // namespace tessera

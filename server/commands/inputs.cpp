@@ -169,6 +169,12 @@ std::string CullFlags::text() const {
   return text;
 }
 
+void nameMode(RunReport& report, const InputFiles& files, const CullFlags& cull) {
+  report.hierarchy = files.hierarchy;
+  report.maxTrianglesPerLeaf = files.maxTrianglesPerLeaf;
+  report.switches = cull.changedSwitches();
+}
+
 Result<cull::Options> CullFlags::options() const {
   const auto chosenAlgorithm = cull::algorithmFromName(algorithm);
   if (!chosenAlgorithm) {

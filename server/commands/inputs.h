@@ -11,6 +11,7 @@
 #include "common/scene/scene.h"
 #include "common/wall/camera_path.h"
 #include "common/wall/wall.h"
+#include "server/master/run_report.h"
 
 namespace tessera {
 
@@ -48,5 +49,8 @@ struct CullFlags {
     return planes == "matrix" ? PlaneSource::Matrix : PlaneSource::Corners;
   }
 };
+
+/// Writes into the report what the flags made of the scene and the culler.
+void nameMode(RunReport& report, const InputFiles& files, const CullFlags& cull);
 
 }  // namespace tessera

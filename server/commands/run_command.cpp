@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -21,6 +22,7 @@ struct RunFlags {
   InputFiles files;
   CullFlags cull;
   std::uint64_t frames = 120, pictureEvery = 1;
+  std::size_t tilesPerProcess = 1;
   std::string out, surface = "offscreen", json, frameLog;
   double framesPerSecond = 0, frameDeadlineS = 10, tilesDeadlineS = 30;
   bool untiled = false, noPictures = false;
@@ -37,6 +39,7 @@ MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOpti
   if (!flags.out.empty() && !flags.noPictures && flags.surface == "offscreen")
     options.pictureFolder = flags.out;
   options.pictureEvery = flags.pictureEvery;
+  options.countTriangles = !flags.frameLog.empty();
   return options;
 }
 
@@ -84,7 +87,23 @@ Status makeFolder(const std::string& folder) {
   return Done{};
 }
 
+/// `perProcess` 0: all in one.
+Status startTiles(TileProcesses& processes, const Wall& wall, std::size_t perProcess) {
+  const std::size_t count = wall.tiles.size(), step = perProcess == 0 ? count : std::min(perProcess, count);
+  for (std::size_t first = 0; first < count; first += step) {
+    std::vector<std::string> names;
+    for (std::size_t i = first; i < std::min(count, first + step); ++i)
+      names.push_back(wall.tiles[i].name);
+    if (Status status = processes.start(std::move(names)); !status) return status;
+  }
+  return Done{};
+}
+
 Status runWall(const RunFlags& flags) {
+  if (flags.tilesPerProcess != 1 && flags.surface != "none") {
+    return inputError("--tiles-per-process", "a process draws one tile",
+                      "leave it out, or add --surface none");
+  }
   const auto cullOptions = flags.cull.options();
   if (!cullOptions) return cullOptions.error();
   auto wall = flags.files.readWall();
@@ -107,9 +126,7 @@ Status runWall(const RunFlags& flags) {
                        .masterAddress = "127.0.0.1:" + std::to_string(*port),
                        .surface = flags.surface,
                        .singleThreadedDrawing = wall->tiles.size() >= std::thread::hardware_concurrency()});
-  for (const Tile& tile : wall->tiles) {
-    if (Status status = tiles.start(tile.name); !status) return status;
-  }
+  if (Status status = startTiles(tiles, *wall, flags.tilesPerProcess); !status) return status;
   Progress progress("frames", flags.frames);
   const Master::Hooks hooks{
       .whileWaitingForTiles = [&tiles] { return tiles.check(false); },
@@ -118,13 +135,14 @@ Status runWall(const RunFlags& flags) {
             if (Status status = tiles.check(true); !status) spdlog::error("{}", status.error().text());
           },
       .progress = [&progress](std::uint64_t done, std::uint64_t) { progress.update(done); }};
-  const auto report = master.run(hooks, false);
+  auto report = master.run(hooks, false);
   progress.finish();
   tiles.end(std::chrono::milliseconds(200));
   if (!report) {
     if (signals.wasStopped()) return runtimeError("", "stopped before the first frame");
     return report.error();
   }
+  nameMode(*report, flags.files, flags.cull);
   printSummary(*report);
   return writeReport(flags, *report);
 }
@@ -155,6 +173,9 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
   app->add_option("--surface", flags->surface, "Where tiles draw: offscreen, or none (all but the drawing)")
       ->capture_default_str()
       ->check(CLI::IsMember({"offscreen", "none"}));
+  app->add_option("--tiles-per-process", flags->tilesPerProcess,
+                  "With --surface none: so many tiles in each tile process; 0: all in one")
+      ->capture_default_str();
   app->add_option("--fps", flags->framesPerSecond,
                   "At most so many frames a second; 0: as fast as the tiles are")
       ->capture_default_str()

@@ -48,9 +48,10 @@ Status serve(const ServeFlags& flags) {
   std::printf("listening on %s:%u for %zu tiles\n", address->host.c_str(), unsigned{*port},
               wall->tiles.size());
   std::fflush(stdout);
-  const auto report = master.run(
+  auto report = master.run(
       {.whileWaitingForTiles = [] { return Status(Done{}); }, .eachFrame = {}, .progress = {}}, true);
   if (!report) return report.error();
+  nameMode(*report, flags.files, flags.cull);
   if (!flags.json.empty()) return writeFileAtomically(flags.json, report->json());
   return Done{};
 }

@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/base/host.h"
 #include "common/hierarchy/grid_frusta.h"
 #include "proto/codec.h"
 
@@ -14,6 +15,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kMaxHandshakes = 256;
+// A run without an end reports on its last two minutes at 60 Hz; what else it would keep grows for ever.
+constexpr std::size_t kEndlessSamples = 8192;
+// Room for more frames than this is taken when they come.
+constexpr std::uint64_t kMostReservedFrames = 1 << 20;
 // Together they leave a stopped run time to end its processes within two seconds.
 constexpr std::chrono::milliseconds kLastSwapDeadline{400}, kGoodbyeDeadline{700};
 
@@ -29,6 +34,7 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
       path_(path),
       options_(options),
       times_(path.sampleTimes(options.frames > 0 ? options.frames : options.loopFrames)),
+      wakeWriters_([this] { roster_.flushAll(); }),
       work_(net::asio::make_work_guard(io_)),
       roster_(wall),
       pictures_(options.pictureFolder
@@ -39,14 +45,15 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
                .roster = roster_,
                .pictures = pictures_.get(),
                .deadlines = {},
-               .handshakes = 0} {
+               .handshakes = 0},
+      assetNumbers_(scene) {
   trianglesBefore_.reserve(scene.leaves.size() + 1);
   trianglesBefore_.push_back(0);
   for (const SceneLeaf& leaf : scene.leaves)
     trianglesBefore_.push_back(trianglesBefore_.back() + leaf.triangles);
   mirrors_.reserve(wall.tiles.size());
   for (std::size_t i = 0; i < wall.tiles.size(); ++i)
-    mirrors_.emplace_back(scene);
+    mirrors_.emplace_back(scene, assetNumbers_);
 }
 
 Master::~Master() {
@@ -116,29 +123,34 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
     stopNetwork();
     return status.error();
   }
-  report_.tiles.resize(wall_.tiles.size());
+  reserveReport();
   GridFrusta frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows),
                     options_.planeSource);
   cull::Culler culler(scene_.hierarchy, options_.cull);
   const Sphere& sphere = scene_.sphere();
   firstFrame_ = lastPaced_ = lastSwap_ = Clock::now();
   std::uint64_t frame = 0;
+  WallView view;
   for (std::uint64_t next = 1; (options_.frames == 0 || next <= options_.frames) && !roster_.stopping();
        ++next) {
     pace(next);
+    const std::int64_t startCpuNs = threadCpuNs();
     auto start = Clock::now();
-    const WallView view = viewOf(wall_, poseOf(next), sphere.center, sphere.radius);
+    viewInto(wall_, poseOf(next), sphere.center, sphere.radius, view);
     frusta.update(view.wall, view.tiles);
     report_.updateMs.add(msSince(start));
     start = Clock::now();
-    const cull::Result& lists = culler.cull(frusta);
+    const cull::Changes& changes = culler.cullChanges(frusta);
     report_.cullMs.add(msSince(start));
     if (frame > 0) endFrame(frame);
     frame = next;
-    sendFrame(frame, view, lists);
+    sendFrame(frame, view, culler, changes);
+    report_.masterMs.add(static_cast<double>(threadCpuNs() - startCpuNs) / 1e6);
+    if (options_.countTriangles) report_.trianglesPerFrame.add(static_cast<double>(countTriangles(culler)));
     if (hooks.eachFrame) hooks.eachFrame();
     if (hooks.progress) hooks.progress(frame, options_.frames);
   }
+  report_.picked = cull::nameOf(culler.picked());
   if (frame > 0) endFrame(frame);
   report_.frames = frame;
   report_.seconds = msSince(firstFrame_) / 1000 - report_.firstFrameMs / 1000;
@@ -164,46 +176,66 @@ void Master::pace(std::uint64_t frame) {
   std::this_thread::sleep_until(lastPaced_);
 }
 
-void Master::sendFrame(std::uint64_t frame, const WallView& view, const cull::Result& lists) {
-  double encodeMs = 0;
+void Master::reserveReport() {
+  report_.tiles.resize(wall_.tiles.size());
+  if (options_.frames > 0) return report_.expect(std::min(options_.frames, kMostReservedFrames));
+  report_.keepLast(kEndlessSamples);
+  roster_.keepLast(kEndlessSamples);
+}
+
+void Master::sendFrame(std::uint64_t frame, const WallView& view, const cull::Culler& culler,
+                       const cull::Changes& changes) {
   std::uint64_t listBytes = 0, geometryBytes = 0;
   const auto start = Clock::now();
+  roster_.startFrame(frame, peers_);
   for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
-    const TileRoster::Peer peer = roster_.peer(tile);
-    if (!peer.connection || !peer.idle()) {
-      roster_.frameMissed(tile);
-      continue;
-    }
-    TileMirror& mirror = mirrors_[tile];
-    mirror.follow(peer.session);
-    mirror.acknowledge(peer.acknowledged);
-    roster_.frameSent(tile, peer.session, frame);
-    const auto encodeStart = Clock::now();
-    const TileMirror::Sent sent =
-        mirror.send(*peer.connection, {.frame = frame,
-                                       .view = &view,
-                                       .frustum = &view.tiles[tile],
-                                       .list = &lists.lists[tile],
-                                       .wantPicture = pictures_ && pictures_->wants(frame)});
-    encodeMs += msSince(encodeStart);
+    if (!peers_[tile].connection) continue;
+    const TileMirror::Sent sent = sendTo(tile, peers_[tile], frame, view, culler, changes);
     listBytes += sent.listBytes;
     geometryBytes += sent.assetBytes;
     RunReport::TileEntry& entry = report_.tiles[tile];
-    entry.visibleLeaves.add(static_cast<double>(leafCount(lists.lists[tile])));
+    entry.visibleLeaves.add(changes.leafCounts[tile]);
     entry.cacheHits += sent.hits;
     entry.cacheMisses += sent.leaves;
   }
-  report_.encodeMs.add(encodeMs);
-  report_.sendMs.add(msSince(start) - encodeMs);
+  report_.encodeMs.add(msSince(start));
+  const auto sendStart = Clock::now();
+  wakeWriters_.post(io_);
+  report_.sendMs.add(msSince(sendStart));
   report_.listBytesPerFrame.add(static_cast<double>(listBytes));
   report_.geometryBytesPerFrame.add(static_cast<double>(geometryBytes));
-  report_.visibleLeavesPerFrame.add(static_cast<double>(lists.pairs));
+  report_.visibleLeavesPerFrame.add(static_cast<double>(changes.pairs));
+}
+
+TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer, std::uint64_t frame,
+                                const WallView& view, const cull::Culler& culler,
+                                const cull::Changes& changes) {
+  TileMirror& mirror = mirrors_[tile];
+  mirror.follow(peer.session);
+  mirror.acknowledge(peer.acknowledged);
+  TileMirror::FrameOrder order{.frame = frame,
+                               .view = &view,
+                               .frustum = &view.tiles[tile],
+                               .toggled = &changes.toggled[tile],
+                               .baseFrame = frame - 1,
+                               .leafCount = changes.leafCounts[tile],
+                               .wantPicture = pictures_ && pictures_->wants(frame)};
+  if (!mirror.keepsUpWith(frame)) {
+    culler.listOf(tile, wholeList_);
+    order.toggled = &wholeList_;
+    order.baseFrame = 0;
+  }
+  return mirror.send(*peer.connection, encoder_, order);
+}
+
+std::uint64_t Master::countTriangles(const cull::Culler& culler) {
   std::uint64_t triangles = 0;
-  for (const VisibleList& list : lists.lists) {
-    for (const LeafRange range : list)
+  for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
+    culler.listOf(tile, wholeList_);
+    for (const LeafRange range : wholeList_)
       triangles += trianglesBefore_[range.last] - trianglesBefore_[range.first];
   }
-  report_.trianglesPerFrame.add(static_cast<double>(triangles));
+  return triangles;
 }
 
 void Master::endFrame(std::uint64_t frame) {
@@ -226,18 +258,18 @@ void Master::endFrame(std::uint64_t frame) {
 }
 
 void Master::broadcastSwap(std::uint64_t frame) {
-  const auto bytes = std::make_shared<const proto::Bytes>(proto::encode(proto::Swap{frame}));
-  for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
-    const TileRoster::Peer peer = roster_.peer(tile);
-    if (peer.connection && peer.sent == frame) peer.connection->send([bytes] { return bytes; });
+  const std::span<const std::byte> message = encoder_.encode(proto::Swap{frame});
+  for (const TileRoster::Peer& peer : peers_) {
+    if (peer.connection) peer.connection->queue(message);
   }
+  wakeWriters_.post(io_);
 }
 
 void Master::sayGoodbye() {
-  const auto bytes = std::make_shared<const proto::Bytes>(
-      proto::encode(proto::Bye{.reason = "the run is over", .peakResidentBytes = 0, .framesShown = 0}));
+  const proto::Bytes bytes =
+      proto::encode(proto::Bye{.reason = "the run is over", .peakResidentBytes = 0, .framesShown = 0});
   for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
-    if (const auto peer = roster_.peer(tile).connection) peer->send([bytes] { return bytes; });
+    if (const auto peer = roster_.peer(tile).connection) peer->send(std::span<const std::byte>(bytes));
   }
   roster_.waitEmpty(Clock::now() + kGoodbyeDeadline);
 }

@@ -13,9 +13,11 @@
 #include "common/cull/culler.h"
 #include "common/hierarchy/tile_cone.h"
 #include "common/net/connection.h"
+#include "common/net/one_post.h"
 #include "common/scene/scene.h"
 #include "common/wall/camera_path.h"
 #include "common/wall/wall.h"
+#include "proto/codec.h"
 #include "server/master/picture_writer.h"
 #include "server/master/run_report.h"
 #include "server/master/tile_mirror.h"
@@ -35,6 +37,7 @@ struct MasterOptions {
       10'000};  ///< for a frame's Ready; a tile that misses it is left behind
   std::optional<std::filesystem::path> pictureFolder;  ///< stitched pictures go there
   std::uint64_t pictureEvery = 1;                      ///< of the frames, every so-manieth
+  bool countTriangles = false;  ///< for RunReport::frameLog; each frame's whole lists must be made for it
 };
 
 /// The master of one wall: listens for tiles and runs the frame loop.
@@ -43,7 +46,8 @@ struct MasterOptions {
 ///
 /// so that culling overlaps the tiles' drawing. One thread runs the loop (the caller of run), one the
 /// network; pictures are written by a third. A tile that is late or gone is not waited for again until it is
-/// back.
+/// back. The loop's thread does not allocate in a frame in which no tile gets new geometry, once buffers have
+/// grown to what the path needs.
 class Master {
  public:
   /// `scene`, `wall` and `path` outlive the master.
@@ -73,7 +77,13 @@ class Master {
   [[nodiscard]] CameraPose poseOf(std::uint64_t frame) const;
   net::awaitable<void> acceptTiles(net::tcp::acceptor acceptor);
   [[nodiscard]] Status waitForTiles(const Hooks& hooks, bool mayStartWithout);
-  void sendFrame(std::uint64_t frame, const WallView& view, const cull::Result& lists);
+  void reserveReport();
+  void sendFrame(std::uint64_t frame, const WallView& view, const cull::Culler& culler,
+                 const cull::Changes& changes);
+  [[nodiscard]] TileMirror::Sent sendTo(std::uint32_t tile, const TileRoster::Peer& peer, std::uint64_t frame,
+                                        const WallView& view, const cull::Culler& culler,
+                                        const cull::Changes& changes);
+  [[nodiscard]] std::uint64_t countTriangles(const cull::Culler& culler);
   void endFrame(std::uint64_t frame);
   void pace(std::uint64_t frame);
   void broadcastSwap(std::uint64_t frame);
@@ -86,12 +96,17 @@ class Master {
   const CameraPath& path_;
   const MasterOptions options_;
   std::vector<double> times_;
+  net::OnePost wakeWriters_;
   net::asio::io_context io_{1};
   net::asio::executor_work_guard<net::asio::io_context::executor_type> work_;
   TileRoster roster_;
   std::unique_ptr<PictureWriter> pictures_;
   SessionContext context_;
+  const AssetNumbers assetNumbers_;
   std::vector<TileMirror> mirrors_;
+  proto::Encoder encoder_;
+  VisibleList wholeList_;
+  std::vector<TileRoster::Peer> peers_;  ///< who was sent the last frame
   RunReport report_;
   std::vector<std::uint64_t> trianglesBefore_;  ///< by leaf; one more than leaves
   std::chrono::steady_clock::time_point firstFrame_, lastPaced_, lastSwap_;

@@ -12,13 +12,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double k60HzPercentMs = 1000.0 / 60 / 100;
+
 Json spread(const Samples& samples) {
   return {{"p50", samples.percentile(50)}, {"p99", samples.percentile(99)}, {"max", samples.max()}};
 }
 
 Json tileJson(const RunReport::TileEntry& tile) {
   Samples drawMs;
-  for (const std::uint32_t us : tile.counts.drawUs)
+  for (const std::uint32_t us : tile.counts.drawUs.values)
     drawMs.add(us / 1000.0);
   return {{"frames_shown", tile.counts.framesShown},
           {"frames_missed", tile.counts.framesMissed},
@@ -35,6 +37,24 @@ Json tileJson(const RunReport::TileEntry& tile) {
 }
 
 }  // namespace
+
+template <class Visit>
+void RunReport::forEachSamples(Visit visit) {
+  for (Samples* samples :
+       {&updateMs, &cullMs, &encodeMs, &sendMs, &tileWaitMs, &swapMs, &masterMs, &frameMs, &listBytesPerFrame,
+        &geometryBytesPerFrame, &visibleLeavesPerFrame, &trianglesPerFrame})
+    visit(*samples);
+  for (TileEntry& tile : tiles)
+    visit(tile.visibleLeaves);
+}
+
+void RunReport::expect(std::size_t count) {
+  forEachSamples([count](Samples& samples) { samples.values.reserve(count); });
+}
+
+void RunReport::keepLast(std::size_t count) {
+  forEachSamples([count](Samples& samples) { samples.keepLast(count); });
+}
 
 double Samples::percentile(double p) const {
   if (values.empty()) return 0;
@@ -61,7 +81,11 @@ std::string RunReport::json() const {
       {"wall", wall},
       {"mode",
        {{"algorithm", algorithm},
+        {"picked", picked},
         {"bounds", bounds},
+        {"hierarchy", hierarchy},
+        {"mtpl", maxTrianglesPerLeaf},
+        {"switches", switches},
         {"measured_error_leaves", 0},
         {"measured_error_px", 0}}},
       {"frames", frames},
@@ -74,7 +98,13 @@ std::string RunReport::json() const {
         {"encode", spread(encodeMs)},
         {"send", spread(sendMs)},
         {"tile_wait", spread(tileWaitMs)},
-        {"swap", spread(swapMs)}}},
+        {"swap", spread(swapMs)},
+        {"master", spread(masterMs)}}},
+      {"frame_ms", spread(frameMs)},
+      {"master_share_of_60hz_percent",
+       {{"p50", masterMs.percentile(50) / k60HzPercentMs},
+        {"p99", masterMs.percentile(99) / k60HzPercentMs},
+        {"max", masterMs.max() / k60HzPercentMs}}},
       {"visible_pairs_per_frame", spread(visibleLeavesPerFrame)},
       {"sent_bytes_per_frame",
        {{"lists", spread(listBytesPerFrame)}, {"geometry", spread(geometryBytesPerFrame)}}},

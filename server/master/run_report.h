@@ -4,14 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "server/master/recorded.h"
 #include "server/master/tile_roster.h"
 
 namespace tessera {
 
 /// Measured values of one kind, for percentiles.
-struct Samples {
-  std::vector<double> values;
-  void add(double value) { values.push_back(value); }
+struct Samples : Recorded<double> {
   /// 0 <= p <= 100; 0 where there are none.
   [[nodiscard]] double percentile(double p) const;
   [[nodiscard]] double max() const { return percentile(100); }
@@ -20,12 +19,17 @@ struct Samples {
 /// What a run measured; interface of DIR/report.json. Times in milliseconds.
 struct RunReport {
   std::string scene, wall, algorithm, bounds;
+  std::string picked;  ///< the algorithm that culled the last frame: what "auto" has come to
+  std::string hierarchy = "graph";
+  std::uint64_t maxTrianglesPerLeaf = 0;  ///< 0: leaves as in the file
+  std::vector<std::string> switches;      ///< of the culler, that are not at their defaults
   std::uint64_t leaves = 0, triangles = 0, assets = 0, assetBytes = 0;
   std::uint64_t frames = 0;
   double seconds = 0;  ///< from the first frame to the last
   Samples updateMs, cullMs, encodeMs, sendMs, tileWaitMs, swapMs;
   Samples listBytesPerFrame, geometryBytesPerFrame, visibleLeavesPerFrame;
-  Samples frameMs;            ///< from one swap to the next; of the first frame: from its start
+  Samples masterMs;  ///< processor time of the frame loop's thread: update, cull, swap, encode and send
+  Samples frameMs;   ///< from one swap to the next; of the first frame: from its start
   Samples trianglesPerFrame;  ///< of all tiles' lists
   double firstFrameMs =
       0;  ///< from the first frame's start until all tiles were ready: all geometry is sent then
@@ -40,9 +44,19 @@ struct RunReport {
   Samples swapSkewUs;
   std::uint64_t pictures = 0, incompletePictures = 0;
 
+  /// Makes room for what each of `count` frames adds, so that the frame loop need not.
+  void expect(std::size_t count);
+  /// Keeps what each frame adds of the last `count` alone; percentiles are of these. For runs without
+  /// an end, whose memory must not grow.
+  void keepLast(std::size_t count);
+
   [[nodiscard]] std::string json() const;
   /// One line for each frame: {"frame", "ms", "pairs", "triangles"}.
   [[nodiscard]] std::string frameLog() const;
+
+ private:
+  template <class Visit>
+  void forEachSamples(Visit visit);
 };
 
 /// Adds the spread of the times at which tiles presented each frame, over frames that at least two tiles with

@@ -1,9 +1,9 @@
 #include "server/master/tile_mirror.h"
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
 
-#include "proto/codec.h"
 #include "proto/list_codec.h"
 
 namespace tessera {
@@ -15,13 +15,14 @@ static_assert(kMaxAssetBytes <= proto::kMaxAssetBytes);
 constexpr std::size_t kAssetBatchBytes = 4 << 20;
 constexpr std::size_t kLeafBatch = 4096;
 
-proto::Bytes encodeAssets(const Scene& scene, const std::vector<AssetId>& ids) {
+proto::Bytes encodeAssets(const AssetNumbers& numbers, const std::vector<std::uint32_t>& chosen) {
   proto::Assets message;
-  for (const AssetId& id : ids) {
-    const Asset* asset = scene.assets.find(id);
-    message.assets.push_back({.id = id.bytes,
-                              .kind = static_cast<proto::AssetKind>(asset->kind),
-                              .bytes = std::as_bytes(std::span(asset->bytes))});
+  message.assets.reserve(chosen.size());
+  for (const std::uint32_t number : chosen) {
+    const AssetNumbers::Entry& entry = numbers.entry(number);
+    message.assets.push_back({.id = entry.id.bytes,
+                              .kind = static_cast<proto::AssetKind>(entry.asset->kind),
+                              .bytes = std::as_bytes(std::span(entry.asset->bytes))});
   }
   return proto::encode(message);
 }
@@ -55,7 +56,7 @@ proto::Bytes encodeLeaves(const Scene& scene, const std::vector<std::uint32_t>& 
 /// Queues a geometry message that is made only when it is its turn.
 template <class Make>
 void sendLazily(net::Connection& connection, const std::shared_ptr<TileTraffic>& traffic, Make make) {
-  connection.send([traffic, make = std::move(make)] {
+  connection.queue([traffic, make = std::move(make)] {
     auto bytes = std::make_shared<const proto::Bytes>(make());
     traffic->geometryBytes += bytes->size();
     return bytes;
@@ -64,31 +65,54 @@ void sendLazily(net::Connection& connection, const std::shared_ptr<TileTraffic>&
 
 }  // namespace
 
+AssetNumbers::AssetNumbers(const Scene& scene) {
+  std::unordered_map<AssetId, std::uint32_t, AssetIdHash> numbers;
+  const auto numberOf = [&](const AssetId& id) {
+    const auto [found, isNew] = numbers.try_emplace(id, static_cast<std::uint32_t>(entries_.size()));
+    if (isNew) entries_.push_back({.id = id, .asset = scene.assets.find(id), .needs = {}});
+    return found->second;
+  };
+  ofLeaves_.reserve(scene.leaves.size());
+  for (const SceneLeaf& leaf : scene.leaves)
+    ofLeaves_.push_back({.state = numberOf(leaf.state), .drawable = numberOf(leaf.drawable)});
+  // Numbering goes on as needs are found, which may have needs of their own.
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    std::vector<std::uint32_t> needs;
+    for (const AssetId& needed : entries_[i].asset->needs)
+      needs.push_back(numberOf(needed));
+    entries_[i].needs = std::move(needs);
+  }
+}
+
 void TileMirror::follow(std::uint64_t session) {
   if (session == session_) return;
   session_ = session;
   knownLeaves_.assign(knownLeaves_.size(), false);
-  knownAssets_.clear();
+  knownAssets_.assign(knownAssets_.size(), false);
   baseFrame_ = pendingFrame_ = 0;
-  baseList_.clear();
-  pendingList_.clear();
+  baseLeafCount_ = pendingLeafCount_ = 0;
 }
 
 void TileMirror::acknowledge(std::uint64_t frame) {
   if (frame == 0 || frame != pendingFrame_) return;
   baseFrame_ = frame;
-  std::swap(baseList_, pendingList_);
+  baseLeafCount_ = pendingLeafCount_;
   pendingFrame_ = 0;
 }
 
-TileMirror::Sent TileMirror::send(net::Connection& connection, const FrameOrder& order) {
+TileMirror::Sent TileMirror::send(net::Connection& connection, proto::Encoder& encoder,
+                                  const FrameOrder& order) {
   Sent sent;
-  sendGeometry(connection, differenceOf(*order.list, baseList_), sent);
-  proto::encodeListDelta(baseList_, *order.list, delta_);
+  sendGeometry(connection, *order.toggled, sent);
+  // Of the leaves that toggled, those that came outnumber those that went by what the list has grown.
+  const std::uint64_t had = order.baseFrame == 0 ? 0 : baseLeafCount_;
+  const std::uint64_t came = (leafCount(*order.toggled) + order.leafCount - had) / 2;
+  sent.hits = static_cast<std::uint32_t>(came) - sent.leaves;
+  proto::encodeToggles(*order.toggled, delta_);
 
   proto::Frame message;
   message.frame = order.frame;
-  message.baseFrame = baseFrame_;
+  message.baseFrame = order.baseFrame;
   message.eye = order.frustum->eye;
   message.corners = order.frustum->corners;
   message.nearM = order.frustum->near.value();
@@ -96,55 +120,57 @@ TileMirror::Sent TileMirror::send(net::Connection& connection, const FrameOrder&
   message.right = order.view->right;
   message.up = order.view->up;
   message.toggles = delta_;
-  message.listLeafCount = static_cast<std::uint32_t>(leafCount(*order.list));
+  message.listLeafCount = order.leafCount;
   message.wantPicture = order.wantPicture;
-  proto::Bytes bytes = proto::encode(message);
+  const std::span<const std::byte> bytes = encoder.encode(message);
   sent.listBytes = bytes.size();
   traffic_->listBytes += bytes.size();
-  connection.send(std::move(bytes));
+  connection.queue(bytes);
 
   pendingFrame_ = order.frame;
-  pendingList_ = *order.list;
+  pendingLeafCount_ = order.leafCount;
   return sent;
 }
 
-void TileMirror::needAsset(const AssetId& id, Sent& sent) {
-  if (!knownAssets_.insert(id).second) return;
-  const Asset* asset = scene_->assets.find(id);
-  for (const AssetId& needed : asset->needs)
+void TileMirror::needAsset(std::uint32_t number, Sent& sent) {
+  if (knownAssets_[number]) return;
+  knownAssets_[number] = true;
+  const AssetNumbers::Entry& entry = numbers_->entry(number);
+  for (const std::uint32_t needed : entry.needs)
     needAsset(needed, sent);
-  missingAssets_.push_back(id);
-  sent.assetBytes += asset->bytes.size();
+  missingAssets_.push_back(number);
+  sent.assetBytes += entry.asset->bytes.size();
   ++sent.assets;
 }
 
-void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& entering, Sent& sent) {
+void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& toggled, Sent& sent) {
   missingAssets_.clear();
   missingLeaves_.clear();
-  forEachLeaf(entering, [&](std::uint32_t leaf) {
-    if (knownLeaves_[leaf]) {
-      ++sent.hits;
-      return;
-    }
+  // What goes out of view is known, and so is most of what comes.
+  forEachLeaf(toggled, [&](std::uint32_t leaf) {
+    if (knownLeaves_[leaf]) return;
     knownLeaves_[leaf] = true;
     missingLeaves_.push_back(leaf);
-    needAsset(scene_->leaves[leaf].state, sent);
-    needAsset(scene_->leaves[leaf].drawable, sent);
+    const AssetNumbers::OfLeaf needed = numbers_->ofLeaf(leaf);
+    needAsset(needed.state, sent);
+    needAsset(needed.drawable, sent);
   });
   sent.leaves = static_cast<std::uint32_t>(missingLeaves_.size());
+  if (missingLeaves_.empty()) return;
 
-  std::vector<AssetId> batch;
+  std::vector<std::uint32_t> batch;
   std::size_t batchBytes = 0;
   const auto flush = [&] {
     if (batch.empty()) return;
-    sendLazily(connection, traffic_,
-               [scene = scene_, ids = std::exchange(batch, {})] { return encodeAssets(*scene, ids); });
+    sendLazily(connection, traffic_, [numbers = numbers_, chosen = std::exchange(batch, {})] {
+      return encodeAssets(*numbers, chosen);
+    });
     batchBytes = 0;
   };
-  for (const AssetId& id : missingAssets_) {
-    const std::size_t bytes = scene_->assets.find(id)->bytes.size();
+  for (const std::uint32_t number : missingAssets_) {
+    const std::size_t bytes = numbers_->entry(number).asset->bytes.size();
     if (batchBytes + bytes > kAssetBatchBytes || batch.size() == proto::kMaxAssetsPerMessage) flush();
-    batch.push_back(id);
+    batch.push_back(number);
     batchBytes += bytes;
   }
   flush();

@@ -3,12 +3,12 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <unordered_set>
 #include <vector>
 
 #include "common/net/connection.h"
 #include "common/scene/scene.h"
 #include "common/wall/wall.h"
+#include "proto/codec.h"
 
 namespace tessera {
 
@@ -17,12 +17,42 @@ struct TileTraffic {
   std::atomic<std::uint64_t> listBytes{0}, geometryBytes{0};
 };
 
-/// What one tile has: which assets and leaf records it was sent, and the list that it acknowledged last. The
-/// connection keeps the order of messages, so whatever was queued before a frame is there when the frame is.
-/// Used by the frame loop alone. `scene` outlives it and every message still queued.
+/// The assets of a scene that its leaves need, by number: what a tile has is then a row of bits. `scene`
+/// outlives it.
+class AssetNumbers {
+ public:
+  explicit AssetNumbers(const Scene& scene);
+  struct Entry {
+    AssetId id;
+    const Asset* asset = nullptr;
+    std::vector<std::uint32_t> needs;  ///< numbers of Asset::needs
+  };
+  struct OfLeaf {
+    std::uint32_t state = 0, drawable = 0;
+  };
+  [[nodiscard]] const Entry& entry(std::uint32_t number) const { return entries_[number]; }
+  [[nodiscard]] OfLeaf ofLeaf(std::uint32_t leaf) const { return ofLeaves_[leaf]; }
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+ private:
+  std::vector<Entry> entries_;
+  std::vector<OfLeaf> ofLeaves_;
+};
+
+/// What one tile has: which assets and leaf records it was sent, and which frame's list it acknowledged last.
+/// The connection keeps the order of messages, so whatever was queued before a frame is there when the frame
+/// is. Used by the frame loop alone. `scene` and `numbers` outlive it and every message still queued.
+///
+/// A tile that acknowledged the frame before is told what toggled since. One that has not (it fell behind, or
+/// has just come) is sent the whole list, against the empty one: that happens rarely, and no list need be
+/// kept here.
 class TileMirror {
  public:
-  explicit TileMirror(const Scene& scene) : scene_(&scene), knownLeaves_(scene.leaves.size(), false) {}
+  TileMirror(const Scene& scene, const AssetNumbers& numbers)
+      : scene_(&scene),
+        numbers_(&numbers),
+        knownLeaves_(scene.leaves.size(), false),
+        knownAssets_(numbers.size(), false) {}
 
   /// Forgets everything when another process has taken the tile.
   void follow(std::uint64_t session);
@@ -33,7 +63,10 @@ class TileMirror {
     std::uint64_t frame = 0;
     const WallView* view = nullptr;
     const Frustum* frustum = nullptr;  ///< of this tile, near and far given
-    const VisibleList* list = nullptr;
+    /// Leaves that come or go, against the list of `baseFrame` (0: the empty list).
+    const VisibleList* toggled = nullptr;
+    std::uint64_t baseFrame = 0;
+    std::uint32_t leafCount = 0;  ///< of the list now
     bool wantPicture = false;
   };
   struct Sent {
@@ -42,25 +75,29 @@ class TileMirror {
     std::uint32_t assets = 0, leaves = 0;
     std::uint32_t hits = 0;  ///< leaves that came into view and were known already
   };
-  /// Queues what the tile lacks for the frame, then the frame.
-  Sent send(net::Connection& connection, const FrameOrder& order);
+  /// Whether the tile's last list is that of the frame before, so that what toggled since is all it needs.
+  [[nodiscard]] bool keepsUpWith(std::uint64_t frame) const {
+    return baseFrame_ != 0 && baseFrame_ + 1 == frame;
+  }
+  /// Queues what the tile lacks for the frame, then the frame; who wakes the connection's writer is the
+  /// caller's business. Does not allocate where nothing is lacking, once warm.
+  Sent send(net::Connection& connection, proto::Encoder& encoder, const FrameOrder& order);
 
   [[nodiscard]] const TileTraffic& traffic() const { return *traffic_; }
 
  private:
-  void needAsset(const AssetId& id, Sent& sent);
-  void sendGeometry(net::Connection& connection, const VisibleList& entering, Sent& sent);
+  void needAsset(std::uint32_t number, Sent& sent);
+  void sendGeometry(net::Connection& connection, const VisibleList& toggled, Sent& sent);
 
   const Scene* scene_;
+  const AssetNumbers* numbers_;
   std::shared_ptr<TileTraffic> traffic_ = std::make_shared<TileTraffic>();
   std::uint64_t session_ = 0;
-  std::vector<bool> knownLeaves_;
-  std::unordered_set<AssetId, AssetIdHash> knownAssets_;
+  std::vector<bool> knownLeaves_, knownAssets_;
   std::uint64_t baseFrame_ = 0, pendingFrame_ = 0;
-  VisibleList baseList_, pendingList_;
+  std::uint32_t baseLeafCount_ = 0, pendingLeafCount_ = 0;
   std::vector<std::byte> delta_;
-  std::vector<AssetId> missingAssets_;
-  std::vector<std::uint32_t> missingLeaves_;
+  std::vector<std::uint32_t> missingAssets_, missingLeaves_;
 };
 
 }  // namespace tessera

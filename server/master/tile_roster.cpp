@@ -11,6 +11,14 @@ TileRoster::TileRoster(const Wall& wall) : slots_(wall.tiles.size()) {
     names_.push_back(tile.name);
 }
 
+void TileRoster::keepLast(std::size_t frames) {
+  const std::lock_guard lock(mutex_);
+  for (Slot& slot : slots_) {
+    slot.counts.drawUs.keepLast(frames);
+    slot.shownTimes.keepLast(frames);
+  }
+}
+
 std::variant<TileRoster::Binding, TileRoster::Refusal> TileRoster::bind(
     const proto::Hello& hello, std::shared_ptr<net::Connection> peer,
     const std::function<void(const Binding&)>& welcome) {
@@ -43,9 +51,9 @@ bool TileRoster::ready(const Binding& binding, const proto::Ready& ready) {
   Slot* slot = current(binding);
   if (!slot) return true;
   if (ready.frame != slot->sent || ready.frame <= slot->acknowledged) return false;
+  if (isDrawing(*slot, newestFrame_)) oneLess();
   slot->acknowledged = ready.frame;
-  slot->counts.drawUs.push_back(ready.drawUs);
-  changed_.notify_all();
+  slot->counts.drawUs.add(ready.drawUs);
   return true;
 }
 
@@ -56,7 +64,7 @@ bool TileRoster::shown(const Binding& binding, const proto::Shown& shown) {
   if (shown.frame > slot->acknowledged || shown.frame <= slot->lastShown) return false;
   slot->lastShown = shown.frame;
   ++slot->counts.framesShown;
-  if (slot->sharesClock) slot->shownTimes.push_back({shown.frame, shown.shownNs});
+  if (slot->sharesClock) slot->shownTimes.add({shown.frame, shown.shownNs});
   changed_.notify_all();
   return true;
 }
@@ -74,8 +82,15 @@ void TileRoster::leaving(const Binding& binding, const proto::Bye& bye) {
 
 void TileRoster::gone(const Binding& binding) {
   const std::lock_guard lock(mutex_);
-  if (Slot* slot = current(binding)) slot->connection.reset();
+  if (Slot* slot = current(binding)) {
+    if (isDrawing(*slot, newestFrame_)) oneLess();
+    slot->connection.reset();
+  }
   changed_.notify_all();
+}
+
+void TileRoster::oneLess() {
+  if (--drawing_ == 0) noneDraws_.notify_all();
 }
 
 TileRoster::Peer TileRoster::peer(std::uint32_t tile) const {
@@ -84,9 +99,22 @@ TileRoster::Peer TileRoster::peer(std::uint32_t tile) const {
   return {slot.session, slot.connection, slot.acknowledged, slot.sent};
 }
 
-void TileRoster::frameSent(std::uint32_t tile, std::uint64_t session, std::uint64_t frame) {
+void TileRoster::startFrame(std::uint64_t frame, std::vector<Peer>& peers) {
   const std::lock_guard lock(mutex_);
-  if (slots_[tile].session == session) slots_[tile].sent = frame;
+  newestFrame_ = frame;
+  drawing_ = 0;
+  peers.resize(slots_.size());
+  for (std::size_t tile = 0; tile < slots_.size(); ++tile) {
+    Slot& slot = slots_[tile];
+    if (!slot.connection || slot.acknowledged != slot.sent) {
+      ++slot.counts.framesMissed;
+      peers[tile] = {};
+      continue;
+    }
+    slot.sent = frame;
+    ++drawing_;
+    peers[tile] = {slot.session, slot.connection, slot.acknowledged, slot.sent};
+  }
 }
 
 void TileRoster::frameMissed(std::uint32_t tile) {
@@ -118,16 +146,19 @@ Result<bool> TileRoster::waitAllBound(Deadline deadline, const std::function<Sta
 
 std::vector<std::uint32_t> TileRoster::waitReady(std::uint64_t frame, Deadline deadline) {
   std::unique_lock lock(mutex_);
-  const auto isDrawing = [frame](const Slot& s) {
-    return s.connection && s.sent == frame && s.acknowledged < frame;
-  };
-  (void)waitUntil(lock, deadline,
-                  [&] { return stopping_ || std::none_of(slots_.begin(), slots_.end(), isDrawing); });
+  (void)noneDraws_.wait_until(lock, deadline, [&] { return stopping_ || drawing_ == 0; });
   std::vector<std::uint32_t> late;
   for (std::uint32_t tile = 0; tile < slots_.size(); ++tile) {
-    if (isDrawing(slots_[tile])) late.push_back(tile);
+    if (isDrawing(slots_[tile], frame)) late.push_back(tile);
   }
   return late;
+}
+
+void TileRoster::flushAll() {
+  const std::lock_guard lock(mutex_);
+  for (const Slot& slot : slots_) {
+    if (slot.connection) slot.connection->flush();
+  }
 }
 
 void TileRoster::waitShown(std::uint64_t frame, Deadline deadline) {
@@ -151,6 +182,7 @@ void TileRoster::stop() {
   const std::lock_guard lock(mutex_);
   stopping_ = true;
   changed_.notify_all();
+  noneDraws_.notify_all();
 }
 
 bool TileRoster::stopping() const {
@@ -174,7 +206,7 @@ TileCounts TileRoster::counts(std::uint32_t tile) const {
 
 std::vector<ShownTime> TileRoster::shownTimes(std::uint32_t tile) const {
   const std::lock_guard lock(mutex_);
-  return slots_[tile].shownTimes;
+  return slots_[tile].shownTimes.values;
 }
 
 }  // namespace tessera

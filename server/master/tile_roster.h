@@ -14,6 +14,7 @@
 #include "common/net/connection.h"
 #include "common/wall/wall.h"
 #include "proto/messages.h"
+#include "server/master/recorded.h"
 
 namespace tessera {
 
@@ -21,7 +22,7 @@ namespace tessera {
 struct TileCounts {
   std::uint64_t framesShown = 0, framesMissed = 0, reconnects = 0;
   std::uint64_t peakResidentBytes = 0;  ///< as the tile said when it left; 0: it did not
-  std::vector<std::uint32_t> drawUs;    ///< of each acknowledged frame
+  Recorded<std::uint32_t> drawUs;       ///< of each acknowledged frame
 };
 
 /// When a tile presented a frame, on its own monotonic clock.
@@ -35,6 +36,9 @@ struct ShownTime {
 class TileRoster {
  public:
   explicit TileRoster(const Wall& wall);
+
+  /// What is measured of each frame is kept of the last so many alone.
+  void keepLast(std::size_t frames);
 
   /// One connection bound to one tile. Sessions are numbered from 1 and never reused.
   struct Binding {
@@ -64,11 +68,11 @@ class TileRoster {
     std::shared_ptr<net::Connection> connection;
     std::uint64_t acknowledged = 0;  ///< last frame that it said Ready to
     std::uint64_t sent = 0;          ///< last frame that is on its way or there
-    [[nodiscard]] bool idle() const { return acknowledged == sent; }
   };
   [[nodiscard]] Peer peer(std::uint32_t tile) const;
-  /// Tells that a frame is on its way to the tile.
-  void frameSent(std::uint32_t tile, std::uint64_t session, std::uint64_t frame);
+  /// Whom the caller is to send a frame now, by tile: a null connection where nobody is or has not yet said
+  /// Ready to the frame before, and misses this one. `peers` is refilled.
+  void startFrame(std::uint64_t frame, std::vector<Peer>& peers);
   void frameMissed(std::uint32_t tile);
 
   using Deadline = std::chrono::steady_clock::time_point;
@@ -81,6 +85,9 @@ class TileRoster {
   void waitShown(std::uint64_t frame, Deadline deadline);
   /// Refuses new tiles and waits until all bound ones have left.
   void waitEmpty(Deadline deadline);
+
+  /// Wakes the writers of all connections that have something queued; the network thread calls it.
+  void flushAll();
 
   /// Ends all waits early but waitEmpty and waitShown.
   void stop();
@@ -102,15 +109,25 @@ class TileRoster {
     std::uint64_t sent = 0, acknowledged = 0, lastShown = 0;
     bool sharesClock = false, wasBound = false;
     TileCounts counts;
-    std::vector<ShownTime> shownTimes;
+    Recorded<ShownTime> shownTimes;
   };
   Slot* current(const Binding& binding);
+  [[nodiscard]] bool isDrawing(const Slot& slot, std::uint64_t frame) const {
+    return slot.connection && slot.sent == frame && slot.acknowledged < frame;
+  }
+  /// Of the newest frame one tile less is drawing. With the lock held.
+  void oneLess();
   template <class Predicate>
   bool waitUntil(std::unique_lock<std::mutex>& lock, Deadline deadline, Predicate predicate);
 
   std::vector<std::string> names_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
+  // The frame loop waits for the last Ready of a frame; to be woken by each, or by what the tiles say of the
+  // frame before, would cost it more than its own work.
+  std::condition_variable noneDraws_;
+  std::uint64_t newestFrame_ = 0;
+  std::uint32_t drawing_ = 0;  ///< tiles for which isDrawing(newestFrame_)
   std::vector<Slot> slots_;
   std::uint64_t nextSession_ = 1;
   bool stopping_ = false, closed_ = false;

@@ -25,6 +25,17 @@ std::string endingOf(int status) {
   return "ended with exit status " + std::to_string(WEXITSTATUS(status));
 }
 
+std::string nameOf(const std::vector<std::string>& tiles) {
+  if (tiles.size() == 1) return "tile " + tiles.front();
+  return "tiles " + tiles.front() + " to " + tiles.back();
+}
+
+/// Whether some child of this process has ended and waits to be collected; one call, however many there are.
+bool hasEndedChild() {
+  siginfo_t info{};
+  return ::waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
+}
+
 /// The environment of this process, with the variables for a tile's drawing.
 std::vector<std::string> tileEnvironment(bool singleThreaded) {
   std::vector<std::string> environment;
@@ -49,7 +60,7 @@ std::vector<char*> pointers(std::vector<std::string>& strings) {
 
 /// Standard error of one child, read as it comes.
 struct TileProcesses::Output : std::enable_shared_from_this<Output> {
-  Output(net::asio::io_context& io, int fd, std::string tile) : pipe(io, fd), tileName(std::move(tile)) {}
+  Output(net::asio::io_context& io, int fd, std::string whose) : pipe(io, fd), name(std::move(whose)) {}
 
   void readOn() {
     pipe.async_read_some(net::asio::buffer(block),
@@ -65,7 +76,7 @@ struct TileProcesses::Output : std::enable_shared_from_this<Output> {
     partial.append(text);
     for (std::size_t end; (end = partial.find('\n')) != std::string::npos; partial.erase(0, end + 1)) {
       const std::string line = partial.substr(0, end);
-      spdlog::info("tile {}: {}", tileName, line);
+      spdlog::info("{}: {}", name, line);
       lastLine = line;
     }
     if (partial.size() > kLastWordsBytes) partial.erase(0, partial.size() - kLastWordsBytes);
@@ -77,7 +88,7 @@ struct TileProcesses::Output : std::enable_shared_from_this<Output> {
   }
 
   net::asio::posix::stream_descriptor pipe;
-  const std::string tileName;
+  const std::string name;
   std::array<char, 1024> block{};
   std::mutex mutex;
   std::string partial, lastLine;
@@ -90,21 +101,23 @@ TileProcesses::~TileProcesses() {
   end(std::chrono::milliseconds(0));
 }
 
-Status TileProcesses::start(const std::string& tileName) {
-  children_.push_back({.tileName = tileName, .output = nullptr});
+Status TileProcesses::start(std::vector<std::string> tileNames) {
+  std::string name = nameOf(tileNames);
+  children_.push_back({.tileNames = std::move(tileNames), .name = std::move(name), .output = nullptr});
   return launch(children_.back());
 }
 
 Status TileProcesses::launch(Child& child) {
-  std::vector<std::string> arguments = {
-      options_.program.string(), "--connect", options_.masterAddress, "--tile", child.tileName, "--surface",
-      options_.surface};
+  std::vector<std::string> arguments = {options_.program.string(), "--connect", options_.masterAddress,
+                                        "--surface", options_.surface};
+  for (const std::string& tile : child.tileNames)
+    arguments.insert(arguments.end(), {"--tile", tile});
   std::vector<std::string> environment = tileEnvironment(options_.singleThreadedDrawing);
   // All that allocates is done before the fork: this process has threads.
   const std::vector<char*> argv = pointers(arguments), envp = pointers(environment);
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    return runtimeError("tile " + child.tileName, std::string("no pipe: ") + std::strerror(errno));
+    return runtimeError(child.name, std::string("no pipe: ") + std::strerror(errno));
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid == 0) {
@@ -126,11 +139,11 @@ Status TileProcesses::launch(Child& child) {
   ::close(ends[1]);
   if (pid < 0) {
     ::close(ends[0]);
-    return runtimeError("tile " + child.tileName, std::string("cannot be started: ") + std::strerror(errno));
+    return runtimeError(child.name, std::string("cannot be started: ") + std::strerror(errno));
   }
   child.pid = pid;
   ++child.starts;
-  child.output = std::make_shared<Output>(io_, ends[0], child.tileName);
+  child.output = std::make_shared<Output>(io_, ends[0], child.name);
   net::asio::post(io_, [output = child.output] { output->readOn(); });
   return Done{};
 }
@@ -142,14 +155,14 @@ bool TileProcesses::collect(Child& child, int& status) {
 }
 
 Status TileProcesses::check(bool mayRestart) {
+  if (!hasEndedChild()) return Done{};
   for (Child& child : children_) {
     int status = 0;
     if (!collect(child, status)) continue;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));  // for what is still in the pipe
     const std::string words = child.output->lastWords();
-    const Error died =
-        runtimeError("tile " + child.tileName,
-                     "its process " + endingOf(status) + (words.empty() ? "" : ", its last words: " + words));
+    const Error died = runtimeError(
+        child.name, "its process " + endingOf(status) + (words.empty() ? "" : ", its last words: " + words));
     if (!mayRestart) return died;
     if (child.starts >= kMaxStarts) {
       spdlog::error("{}; it is not started again", died.text());

@@ -25,9 +25,9 @@ struct TileProcessOptions {
       false;  ///< there are no fewer tiles than cores: llvmpipe shall not start threads
 };
 
-/// The tile processes of a run: starts them, forwards what they say to the log, starts one that dies again a
-/// few times, ends them all. They die with this process, however it ends. Used by one thread; their output is
-/// read on the io context's thread.
+/// The tile processes of a run, of one tile each or, where nothing is drawn, of several: starts them,
+/// forwards what they say to the log, starts one that dies again a few times, ends them all. They die with
+/// this process, however it ends. Used by one thread; their output is read on the io context's thread.
 class TileProcesses {
  public:
   TileProcesses(net::asio::io_context& io, TileProcessOptions options);
@@ -35,7 +35,8 @@ class TileProcesses {
   TileProcesses(const TileProcesses&) = delete;
   TileProcesses& operator=(const TileProcesses&) = delete;
 
-  [[nodiscard]] Status start(const std::string& tileName);
+  /// Starts one process for the tiles, at least one.
+  [[nodiscard]] Status start(std::vector<std::string> tileNames);
 
   /// Collects those that ended. One that fails before it ever was part of the wall is an error with its last
   /// words; `mayRestart`: others are started again, at most three times each.
@@ -47,8 +48,9 @@ class TileProcesses {
  private:
   struct Output;
   struct Child {
-    std::string tileName;
-    pid_t pid = -1;  ///< -1: ended
+    std::vector<std::string> tileNames;
+    std::string name;  ///< for people: "tile r0c0"
+    pid_t pid = -1;    ///< -1: ended
     int starts = 0;
     std::shared_ptr<Output> output;
   };

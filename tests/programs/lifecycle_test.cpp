@@ -1,5 +1,6 @@
 // Starting, stopping, dying and misbehaving: whole programs over loopback.
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -131,6 +132,27 @@ TEST_F(Lifecycle, RunEndsByItselfAndLeavesPicturesAndAReport) {
     EXPECT_GT(tile.at("peak_resident_bytes"), 1'000'000) << name;
   }
   EXPECT_FALSE(json.at("swap_skew_us").is_null());
+  EXPECT_GT(json.at("stages_ms").at("master").at("p50"), 0);
+  EXPECT_GT(json.at("master_share_of_60hz_percent").at("max"), 0);
+  const auto& mode = json.at("mode");
+  EXPECT_TRUE(mode.at("picked").is_string());
+  EXPECT_EQ(mode.at("hierarchy"), "graph");
+  EXPECT_EQ(mode.at("mtpl"), 0);
+  EXPECT_TRUE(mode.at("switches").empty());
+}
+
+TEST_F(Lifecycle, TheReportNamesWhatRan) {
+  const Outcome outcome =
+      run(runArguments(3, {"--surface", "none", "--hierarchy", "bvh", "--mtpl", "50", "--algorithm",
+                           "adaptive", "--octant-test", "--json", folder_ / "report.json"}),
+          seconds(60));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto mode = report(folder_ / "report.json").at("mode");
+  EXPECT_EQ(mode.at("algorithm"), "adaptive");
+  EXPECT_EQ(mode.at("picked"), "adaptive");
+  EXPECT_EQ(mode.at("hierarchy"), "bvh");
+  EXPECT_EQ(mode.at("mtpl"), 50);
+  EXPECT_EQ(mode.at("switches"), nlohmann::json::array({"octant-test"}));
 }
 
 class LifecycleSignal : public Lifecycle, public ::testing::WithParamInterface<int> {};
@@ -183,6 +205,62 @@ TEST_F(Lifecycle, ATileThatDiesIsStartedAgainAndTheWallGoesOn) {
   }
   EXPECT_EQ(whole, 3) << "the other tiles must not miss a frame";
   EXPECT_EQ(reconnected, 1);
+}
+
+TEST_F(Lifecycle, SeveralTilesInAProcessCompleteARun) {
+  for (const char* perProcess : {"0", "3"}) {
+    const Outcome outcome = run(runArguments(40, {"--surface", "none", "--tiles-per-process", perProcess,
+                                                  "--json", folder_ / "report.json"}),
+                                seconds(60));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto json = report(folder_ / "report.json");
+    for (const auto& [name, tile] : json.at("tiles").items()) {
+      EXPECT_EQ(tile.at("frames_shown"), 40) << name;
+      EXPECT_GT(tile.at("received_bytes"), 0) << name;
+    }
+  }
+}
+
+TEST_F(Lifecycle, AProcessOfSeveralTilesThatDiesIsStartedAgainWithAllOfThem) {
+  Process wall(runArguments(200, {"--fps", "40", "--surface", "none", "--tiles-per-process", "3", "--json",
+                                  folder_ / "report.json"}));
+  std::this_thread::sleep_for(seconds(2));
+  const std::vector<pid_t> helpers = childrenOf(wall.pid());
+  ASSERT_EQ(helpers.size(), 2U) << wall.err();
+  ::kill(helpers[0], SIGKILL);
+  const Outcome outcome = wall.wait(seconds(60));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("tiles r0c0 to r1c0: its process was ended by the signal"), std::string::npos)
+      << outcome.err;
+  const auto json = report(folder_ / "report.json");
+  for (const auto& [name, tile] : json.at("tiles").items()) {
+    const bool isHit = name != "r1c1";
+    EXPECT_EQ(tile.at("reconnects"), isHit ? 1 : 0) << name;
+    EXPECT_GT(tile.at("frames_shown"), 50) << name;
+    EXPECT_TRUE(isHit || tile.at("frames_shown") == 200) << name;
+  }
+}
+
+TEST_F(Lifecycle, AProcessDrawsOneTile) {
+  const Outcome tile = run({program("tessera-tile"), "--connect", "127.0.0.1:1", "--tile", "r0c0", "--tile",
+                            "r0c1", "--surface", "offscreen"},
+                           seconds(10));
+  const Outcome wall = run(runArguments(5, {"--tiles-per-process", "2"}), seconds(10));
+  for (const Outcome& outcome : {tile, wall}) {
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find("a process draws one tile"), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
+TEST_F(Lifecycle, AProcessOfSeveralTilesEndsWhereOneIsRefused) {
+  Process master(serveArguments());
+  const int port = portOf(master);
+  std::vector<std::string> arguments = tileArguments(port, "r0c0");
+  arguments.insert(arguments.end(), {"--tile", "r9c9"});
+  const Outcome outcome = run(arguments, seconds(10));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("no tile named \"r9c9\""), std::string::npos) << outcome.err;
 }
 
 TEST_F(Lifecycle, ATileThatStopsIsLeftBehind) {

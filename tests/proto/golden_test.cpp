@@ -84,5 +84,17 @@ TEST(Golden, Frame) {
   EXPECT_TRUE(isSame(*decodeFrame(frame->payload), frameMessage()));
 }
 
+TEST(Golden, AnEncoderGivesTheSameBytesWhateverItEncodedBefore) {
+  Encoder encoder;
+  const std::vector<std::byte> longer(5000, std::byte{1});
+  Frame other = frameMessage();
+  other.toggles = longer;
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_EQ(hexOf(encoder.encode(frameMessage())), kFrame);
+    EXPECT_EQ(hexOf(encoder.encode(other)), hexOf(encode(other)));
+    EXPECT_EQ(hexOf(encoder.encode(Swap{9})), hexOf(encode(Swap{9})));
+  }
+}
+
 }  // namespace
 }  // namespace tessera::proto

@@ -69,6 +69,21 @@ void expectRoundTrip(const VisibleList& before, const VisibleList& now, std::uin
   EXPECT_EQ(*decoded, now);
 }
 
+TEST(ListCodec, aKnownDeltaHasTheBytesOfTheTwoLists) {
+  std::mt19937 random(5);
+  std::vector<std::byte> toggles;
+  for (int round = 0; round < 200; ++round) {
+    const VisibleList before = randomList(700, 1 + round % 40, random);
+    const VisibleList now = randomList(700, 1 + round % 30, random);
+    VisibleList toggled;
+    symmetricDifferenceInto(before, now, toggled);
+    encodeToggles(toggled, toggles);
+    EXPECT_EQ(toggles, deltaOf(before, now));
+  }
+  encodeToggles({}, toggles);
+  EXPECT_EQ(toggles, bytes({0}));
+}
+
 TEST(ListCodec, BytesAreAsDocumented) {
   EXPECT_EQ(deltaOf({}, {}), bytes({0}));
   EXPECT_EQ(deltaOf({{1, 5}}, {{1, 5}}), bytes({0}));

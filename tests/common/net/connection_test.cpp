@@ -97,6 +97,56 @@ TEST_F(ConnectionPair, WhatIsQueuedIsSentBeforeClosingAndNothingAfter) {
   EXPECT_FALSE(read(*there_, Milliseconds(2000)));
 }
 
+TEST_F(ConnectionPair, WhatIsQueuedWaitsForAFlushAndKeepsItsOrder) {
+  here_->startWriter(Milliseconds(1000));
+  std::this_thread::sleep_for(Milliseconds(50));  // the writer has found nothing and sleeps
+  const proto::Bytes first = proto::encode(proto::Ping{1}), second = proto::encode(proto::Ping{2});
+  here_->queue(std::span<const std::byte>(first));
+  here_->queue([] { return std::make_shared<const proto::Bytes>(proto::encode(proto::Ping{100})); });
+  here_->queue(std::span<const std::byte>(second));
+  const auto start = Clock::now();
+  asio::steady_timer timer(io_, Milliseconds(100));
+  timer.async_wait([this](const error_code&) { here_->flush(); });
+  for (const std::uint64_t expected : {1, 100, 2}) {
+    const auto message = read(*there_, Milliseconds(2000));
+    ASSERT_TRUE(message) << message.error().text();
+    EXPECT_EQ(proto::decodePing(message->payload)->nonce, expected);
+  }
+  EXPECT_GE(Clock::now() - start, Milliseconds(90));
+}
+
+TEST_F(ConnectionPair, CarriesMessagesOfAllSizes) {
+  here_->startWriter(Milliseconds(5000));
+  std::vector<std::byte> bytes(3'000'000);
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    bytes[i] = static_cast<std::byte>(i * 7 + i / 251);
+  const std::size_t sizes[] = {0, 1, 3000, 4000, 5000, 16'000, 16'384, 40'000, 2'000'000, 10, 3'000'000, 5};
+  for (const std::size_t size : sizes) {
+    proto::Frame frame;
+    frame.frame = size + 1;
+    frame.toggles = std::span(bytes).first(size);
+    here_->send(proto::encode(frame));
+  }
+  for (const std::size_t size : sizes) {
+    const auto message = read(*there_, Milliseconds(5000));
+    ASSERT_TRUE(message) << message.error().text();
+    const auto frame = proto::decodeFrame(message->payload);
+    ASSERT_TRUE(frame) << frame.error().text();
+    ASSERT_EQ(frame->toggles.size(), size);
+    EXPECT_TRUE(std::equal(frame->toggles.begin(), frame->toggles.end(), bytes.begin()));
+  }
+}
+
+TEST_F(ConnectionPair, APeerThatReadsNothingIsGivenUpAtTheDeadline) {
+  here_->startWriter(Milliseconds(300));
+  const auto large = std::make_shared<const proto::Bytes>(64 << 20);
+  here_->send([large] { return large; });
+  const auto start = Clock::now();
+  const auto message = read(*here_, Milliseconds(10'000));
+  EXPECT_FALSE(message);
+  EXPECT_LT(Clock::now() - start, Milliseconds(5000));
+}
+
 TEST_F(ConnectionPair, MakesALazyMessageOnlyWhenItsTurnHasCome) {
   std::atomic<int> made{0};
   for (int i = 0; i < 3; ++i) {

@@ -111,6 +111,24 @@ TEST(Wall, neighboursShareCornersBitForBit) {
   });
 }
 
+TEST(Wall, aViewIsTheSameInMemoryUsedBefore) {
+  WallView view;
+  for (const int columns : {7, 3, 5}) {
+    const Wall wall = gridWall(columns, 5, 33, 21, 50);
+    forRandomViews([&](const Scene& scene, const CameraPose& pose, double) {
+      viewInto(wall, pose, scene.center, scene.radius, view);
+      const WallView fresh = viewOf(wall, pose, scene.center, scene.radius);
+      ASSERT_EQ(view.tiles.size(), fresh.tiles.size());
+      for (std::size_t i = 0; i < view.tiles.size(); ++i) {
+        for (std::size_t corner = 0; corner < 4; ++corner)
+          ASSERT_TRUE(sameBits(view.tiles[i].corners[corner], fresh.tiles[i].corners[corner]));
+      }
+      ASSERT_TRUE(sameBits(view.right, fresh.right));
+      ASSERT_EQ(view.wall.far, fresh.wall.far);
+    });
+  }
+}
+
 TEST(Wall, outermostCornersAreThePrimaryFrustums) {
   const Wall wall = gridWall(7, 5, 33, 21, 50);
   forRandomViews([&](const Scene& scene, const CameraPose& pose, double) {
