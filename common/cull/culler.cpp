@@ -62,14 +62,15 @@ void runWithBounds(const Context& context) {
   }
 }
 
-/// Up to here a table of all leaves is faster than the tree.
-constexpr std::uint32_t kMostTableLeaves = 8'000;
+/// Up to here changes come faster from a table of all leaves than from two frames' lists by the tree.
+constexpr std::uint32_t kMostTableLeaves = 20'000;
 
 /// Footprints are of boxes.
 bool mayUseFootprints(const Options& options) {
   const bool isNamed = options.algorithm == Algorithm::Footprint || options.algorithm == Algorithm::Table ||
                        options.algorithm == Algorithm::Auto;
-  return isNamed && options.bounds != BoundsKind::Sphere && options.bounds != BoundsKind::AabbThenObb;
+  return isNamed && !concernsPlanes(options.switches) && options.bounds != BoundsKind::Sphere &&
+         options.bounds != BoundsKind::AabbThenObb;
 }
 
 }  // namespace
@@ -83,15 +84,15 @@ Culler::~Culler() = default;
 Culler::Culler(Culler&&) noexcept = default;
 Culler& Culler::operator=(Culler&&) noexcept = default;
 
-void Culler::pick(const FrustumHierarchy& frusta) {
+void Culler::pick(const FrustumHierarchy& frusta, bool forChanges) {
   picked_ = options_.algorithm;
   const bool wantsFootprints =
       picked_ == Algorithm::Footprint || picked_ == Algorithm::Table || picked_ == Algorithm::Auto;
   if (!wantsFootprints) return;
-  if (!footprints_ || scene_->empty() || !FootprintCuller::suits(frusta)) {
+  if (readsPlanes(frusta)) {
     picked_ = Algorithm::Adaptive;
   } else if (picked_ == Algorithm::Auto) {
-    picked_ = scene_->leafCount() <= kMostTableLeaves ? Algorithm::Table : Algorithm::Footprint;
+    picked_ = forChanges && scene_->leafCount() <= kMostTableLeaves ? Algorithm::Table : Algorithm::Footprint;
   }
 }
 
@@ -127,8 +128,12 @@ void Culler::listAll(const FrustumHierarchy& frusta) {
   workspace_->holdsTable = picked_ == Algorithm::Table;
 }
 
+bool Culler::readsPlanes(const FrustumHierarchy& frusta) const {
+  return !footprints_ || scene_->empty() || !FootprintCuller::suits(frusta);
+}
+
 const Result& Culler::cull(const FrustumHierarchy& frusta) {
-  pick(frusta);
+  pick(frusta, false);
   listAll(frusta);
   return workspace_->result;
 }
@@ -150,7 +155,7 @@ void Culler::listBeforeFrom(const FrustumHierarchy& frusta) {
 const Changes& Culler::cullChanges(const FrustumHierarchy& frusta) {
   Workspace& work = *workspace_;
   Changes& changes = work.changes;
-  pick(frusta);
+  pick(frusta, true);
   changes.tests = {};
   changes.toggled.resize(frusta.tileCount());
   changes.leafCounts.resize(frusta.tileCount());

@@ -38,11 +38,14 @@ class Culler {
   /// One tile's whole list as of the last call. `out` is cleared and refilled.
   void listOf(std::uint32_t tile, VisibleList& out) const;
 
+  /// Whether it would read the planes of such frusta, or their grid() alone.
+  [[nodiscard]] bool readsPlanes(const FrustumHierarchy& frusta) const;
+
   /// What the last call ran: the algorithm of the options, or what Algorithm::Auto chose.
   [[nodiscard]] Algorithm picked() const { return picked_; }
 
  private:
-  void pick(const FrustumHierarchy& frusta);
+  void pick(const FrustumHierarchy& frusta, bool forChanges);
   void listBeforeFrom(const FrustumHierarchy& frusta);
   void listAll(const FrustumHierarchy& frusta);
   void cullByPlanes(const FrustumHierarchy& frusta);

@@ -61,6 +61,11 @@ std::string_view nameOf(Reuse reuse) {
   return findName(kReuses, reuse);
 }
 
+bool concernsPlanes(const Switches& s) {
+  return !s.firstLevel || !s.planeMasking || s.planeCoherency || s.octantTest || s.octantPitfall ||
+         s.signTable || s.sphereFirst || s.motionCoherence || s.regroup;
+}
+
 Status check(const Options& options) {
   const Switches& s = options.switches;
   if (s.signTable && options.bounds != BoundsKind::Aabb) {
@@ -79,6 +84,11 @@ Status check(const Options& options) {
   const bool isFootprint = options.algorithm == Algorithm::Footprint || options.algorithm == Algorithm::Table;
   if (isFootprint && (options.bounds == BoundsKind::Sphere || options.bounds == BoundsKind::AabbThenObb)) {
     return inputError("--bounds", "footprints are of boxes", "choose --bounds aabb, obb or hybrid");
+  }
+  if (isFootprint && concernsPlanes(s)) {
+    return inputError("--algorithm",
+                      "footprints are found without planes, so switches of plane tests do nothing",
+                      "leave them out, or choose --algorithm adaptive");
   }
   return Done{};
 }

@@ -92,6 +92,10 @@ struct Options {
 [[nodiscard]] std::optional<Reuse> reuseFromName(std::string_view name);
 [[nodiscard]] std::string_view nameOf(Reuse reuse);
 
+/// Whether some switch is about tests against planes and not at its default. Footprints have none, so
+/// Algorithm::Auto then chooses adaptive.
+[[nodiscard]] bool concernsPlanes(const Switches& switches);
+
 /// Refuses switches that do not go together with each other or with the bounds.
 [[nodiscard]] Status check(const Options& options);
 

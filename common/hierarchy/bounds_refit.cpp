@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include "common/hierarchy/transformed_bounds.h"
 
@@ -76,6 +77,7 @@ void BoundsRefit::place(std::uint32_t node, const Bounds& bounds) {
   if (areSame(bounds, {oh_.aabbs_[node], oh_.obbs_[node], oh_.spheres_[node]})) return;
   store(node, bounds);
   changed_ = true;
+  changedLeaves_.push_back(oh_.leaves(node).first);
   for (std::uint32_t n = oh_.parent_[node]; n != ObjectHierarchy::kNoParent; n = oh_.parent_[n]) {
     std::uint64_t& word = touched_[n / 64];
     const std::uint64_t bit = std::uint64_t{1} << n % 64;
@@ -97,6 +99,8 @@ std::uint32_t BoundsRefit::refit() {
     touched_[i] = 0;
   }
   changed_ = false;
+  std::swap(oh_.changedLeaves_, changedLeaves_);
+  changedLeaves_.clear();
   ++oh_.revision_;
   return count;
 }

@@ -54,6 +54,7 @@ class BoundsRefit {
   std::vector<Bounds> rests_;
   std::vector<std::uint64_t> touched_;  ///< one bit for each node to be recomputed
   bool changed_ = false;
+  std::vector<std::uint32_t> changedLeaves_;  ///< since the last refit
   std::uint64_t refusedMoves_ = 0;
   EnclosingBounds enclosing_;
 };

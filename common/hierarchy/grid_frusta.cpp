@@ -53,9 +53,12 @@ void GridFrusta::build() {
   }
 }
 
-void GridFrusta::update(const Frustum& wall, std::span<const Frustum> tiles) {
+void GridFrusta::updateGrid(const Frustum& wall, std::span<const Frustum> tiles) {
   eye_ = wall.eye;
   grid_ = GridCoordinates::of(wall, tiles, columns_, rows_);
+}
+
+void GridFrusta::updatePlanes(const Frustum& wall, std::span<const Frustum> tiles) {
   TileCone whole(wall, std::nullopt);
   double axisError = whole.axisError;
   minDepth_ = std::numeric_limits<double>::infinity();

@@ -44,6 +44,8 @@ class ObjectHierarchy {
   [[nodiscard]] bool isMoving(std::uint32_t node) const { return moving_[node] != 0; }
   /// Changes whenever any bound does: what was remembered of this hierarchy's bounds is then void.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
+  /// The leaves whose bounds the last revision changed, in no order; some may be there twice.
+  [[nodiscard]] std::span<const std::uint32_t> changedLeaves() const { return changedLeaves_; }
 
   /// Edges on the longest path from the root; children of inner nodes on average.
   [[nodiscard]] std::uint32_t depth() const;
@@ -63,6 +65,7 @@ class ObjectHierarchy {
   std::vector<Sphere> spheres_;
   std::vector<std::uint8_t> moving_;
   std::uint64_t revision_ = 0;
+  std::vector<std::uint32_t> changedLeaves_;
 };
 
 /// Builds an ObjectHierarchy from a pre-order walk: openNode, addLeaf and closeNode in the order of the

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/file.h"
+#include "common/cull/footprint/kernels.h"
 #include "common/hierarchy/grid_frusta.h"
 #include "server/bench/audit.h"
 #include "server/commands/commands.h"
@@ -30,6 +31,7 @@ struct Measured {
   cull::TestCounts counts;  ///< of all frames together
   std::uint64_t listHash = 0;
   std::optional<Audit> audit;
+  std::string_view picked;  ///< what ran in the last frame
 
   void add(const cull::Result& result) {
     tests.add(static_cast<double>(result.tests.classifications()));
@@ -71,6 +73,8 @@ std::string reportOf(const CullCommandFlags& flags, const Scene& scene, const Wa
                                    {"hierarchy", flags.files.hierarchy},
                                    {"mtpl", flags.files.maxTrianglesPerLeaf},
                                    {"algorithm", flags.cull.algorithm},
+                                   {"picked", measured.picked},
+                                   {"simd", cull::instructionSet()},
                                    {"bounds", flags.cull.bounds},
                                    {"switches", flags.cull.changedSwitches()},
                                    {"frames", flags.frames},
@@ -122,12 +126,14 @@ Status cullScene(const CullCommandFlags& flags) {
     const WallView view =
         viewOf(*wall, camera->poseAt(time, sphere.center, sphere.radius), sphere.center, sphere.radius);
     auto start = std::chrono::steady_clock::now();
-    frusta.update(view.wall, view.tiles);
+    frusta.updateGrid(view.wall, view.tiles);
+    if (culler.readsPlanes(frusta)) frusta.updatePlanes(view.wall, view.tiles);
     measured.frustaUs.add(usSince(start));
     start = std::chrono::steady_clock::now();
     const cull::Result& result = culler.cull(frusta);
     measured.cullUs.add(usSince(start));
     measured.add(result);
+    measured.picked = cull::nameOf(culler.picked());
     if (lists) lists->add(frame, view, result);
     if (measured.audit) {
       if (Status status = measured.audit->add(frame, view, result); !status) return status;

@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/cull/footprint/kernels.h"
 #include "common/wall/wall_file.h"
 #include "server/default_camera.h"
 
@@ -188,8 +189,16 @@ Result<cull::Options> CullFlags::options() const {
   }
   cull::Options options{
       .algorithm = *chosenAlgorithm, .bounds = *chosenBounds, .switches = switches, .threads = threads};
+  if (planes == "matrix") {
+    if (options.algorithm == cull::Algorithm::Auto) options.algorithm = cull::Algorithm::Adaptive;
+    if (options.algorithm == cull::Algorithm::Footprint || options.algorithm == cull::Algorithm::Table) {
+      return inputError("--planes", "footprints are found without planes",
+                        "leave it out, or choose --algorithm adaptive");
+    }
+  }
   options.switches.coherent = *cull::reuseFromName(coherent);
   if (Status status = cull::check(options); !status) return status.error();
+  if (Status status = cull::checkInstructionSetWish(); !status) return status.error();
   return options;
 }
 

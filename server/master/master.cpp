@@ -137,7 +137,8 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
     const std::int64_t startCpuNs = threadCpuNs();
     auto start = Clock::now();
     viewInto(wall_, poseOf(next), sphere.center, sphere.radius, view);
-    frusta.update(view.wall, view.tiles);
+    frusta.updateGrid(view.wall, view.tiles);
+    if (culler.readsPlanes(frusta)) frusta.updatePlanes(view.wall, view.tiles);
     report_.updateMs.add(msSince(start));
     start = Clock::now();
     const cull::Changes& changes = culler.cullChanges(frusta);

@@ -50,7 +50,10 @@ TEST_F(CullingTools, AuditFindsNoDropWhateverIsChosen) {
         Words{"--bounds", "aabb-then-obb"}, Words{"--bounds", "hybrid", "--sphere-first"},
         Words{"--hierarchy", "bvh", "--mtpl", "40"}, Words{"--hierarchy", "octree"},
         Words{"--planes", "matrix"}, Words{"--hierarchy", "loose-octree", "--motion-coherence"},
-        Words{"--hierarchy", "kd", "--no-plane-masking"}, Words{"--hierarchy", "graph", "--mtpl", "30"}}) {
+        Words{"--hierarchy", "kd", "--no-plane-masking"}, Words{"--hierarchy", "graph", "--mtpl", "30"},
+        Words{"--algorithm", "footprint"}, Words{"--algorithm", "table", "--bounds", "aabb"},
+        Words{"--algorithm", "table", "--coherent", "always", "--bounds", "hybrid"},
+        Words{"--algorithm", "footprint", "--no-refine", "--hierarchy", "bvh"}}) {
     Words words = choice;
     words.insert(words.end(), {"--audit", "--json", folder_ / "cull.json"});
     const Outcome outcome = cull(words);
@@ -59,10 +62,53 @@ TEST_F(CullingTools, AuditFindsNoDropWhateverIsChosen) {
     EXPECT_EQ(report["audit"]["drops"], 0) << choice[1];
     EXPECT_GT(report["audit"]["exact_pairs"], 1000) << choice[1];
     EXPECT_GE(report["audit"]["pairs"], report["audit"]["exact_pairs"]) << choice[1];
-    EXPECT_GT(report["tests_by_kind"]["against_bisections"].get<double>() +
-                  report["tests_by_kind"]["against_tiles"].get<double>(),
-              0)
+    const std::string picked = report["picked"];
+    const bool hasPlanes = picked != "footprint" && picked != "table";
+    EXPECT_EQ(report["tests_by_kind"]["against_bisections"].get<double>() +
+                      report["tests_by_kind"]["against_tiles"].get<double>() >
+                  0,
+              hasPlanes)
         << choice[1];
+    // A switch of plane tests is never without effect.
+    const bool asksForPlanes = std::any_of(words.begin(), words.end(), [](const std::string& word) {
+      return word == "matrix" || word == "--sphere-first" || word == "--motion-coherence" ||
+             word == "--no-plane-masking" || word == "aabb-then-obb";
+    });
+    if (asksForPlanes) {
+      EXPECT_TRUE(hasPlanes) << choice[1];
+    }
+  }
+}
+
+TEST_F(CullingTools, InstructionSetIsForcedByTheEnvironment) {
+  const auto run = [&](const char* name, std::vector<std::string> words) {
+    ::setenv("TESSERA_SIMD", name, 1);
+    words.insert(words.end(), {"--json", folder_ / "simd.json"});
+    Outcome outcome = cull(words);
+    ::unsetenv("TESSERA_SIMD");
+    return outcome;
+  };
+  ASSERT_EQ(run("", {}).status, 0);
+  const Json best = readJson(folder_ / "simd.json");
+  ASSERT_EQ(run("scalar", {}).status, 0);
+  const Json scalar = readJson(folder_ / "simd.json");
+  EXPECT_EQ(scalar["simd"], "scalar");
+  EXPECT_EQ(scalar["picked"], "footprint");
+  EXPECT_EQ(scalar["lists_hash"], best["lists_hash"]);
+  const Outcome wrong = run("mmx", {});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_NE(wrong.err.find("TESSERA_SIMD"), std::string::npos) << wrong.err;
+  EXPECT_EQ(std::count(wrong.err.begin(), wrong.err.end(), '\n'), 1) << wrong.err;
+}
+
+TEST_F(CullingTools, FootprintsRefuseSwitchesOfPlanes) {
+  using Words = std::vector<std::string>;
+  for (const Words& words : {Words{"--algorithm", "table", "--planes", "matrix"},
+                             Words{"--algorithm", "footprint", "--octant-test"},
+                             Words{"--algorithm", "footprint", "--bounds", "sphere"}}) {
+    const Outcome outcome = cull(words);
+    EXPECT_EQ(outcome.status, 2) << words.back();
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
 }
 

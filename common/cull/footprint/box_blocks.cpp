@@ -67,6 +67,25 @@ void BoxTree::setLeaf(std::uint32_t leaf, const Obb& box) {
   block.extent[lane] = roundedUp(extent * (1 + 16 * kUnitRoundoff) + 0x1p-96);
 }
 
+OrientedBox BoxTree::single(std::uint32_t leaf) const {
+  const OrientedBlock& block = leaves_[leaf / kLanes];
+  const std::size_t lane = leaf % kLanes;
+  OrientedBox box;
+  for (std::size_t i = 0; i < 3; ++i)
+    box.center[i] = block.center[i][lane];
+  for (std::size_t i = 0; i < 9; ++i)
+    box.half[i] = block.half[i][lane];
+  box.extent = block.extent[lane];
+  return box;
+}
+
+void BoxTree::keepSingles() {
+  if (!singles_.empty()) return;
+  singles_.resize(leafCount_);
+  for (std::uint32_t leaf = 0; leaf < leafCount_; ++leaf)
+    singles_[leaf] = single(leaf);
+}
+
 void BoxTree::setNode(std::size_t level, std::uint32_t node, const Aabb& box) {
   boxes_[level][node] = box;
   AlignedBlock& block = levels_[level].blocks[node / kLanes];
@@ -97,6 +116,7 @@ void BoxTree::build(const ObjectHierarchy& oh, BoundsKind bounds) {
   bounds_ = bounds;
   leafCount_ = oh.leafCount();
   leaves_.clear();
+  singles_.clear();
   levels_.clear();
   boxes_.clear();
   if (leafCount_ == 0) return;
@@ -133,21 +153,22 @@ void BoxTree::build(const ObjectHierarchy& oh, BoundsKind bounds) {
 }
 
 void BoxTree::refit(const ObjectHierarchy& oh, std::span<const std::uint32_t> leaves) {
-  std::vector<std::uint32_t>& touched = touched_;
-  touched.assign(leaves.begin(), leaves.end());
-  for (const std::uint32_t leaf : leaves)
+  touched_.assign(leaves.begin(), leaves.end());
+  for (const std::uint32_t leaf : leaves) {
     setLeaf(leaf, boxOf(oh, leaf));
+    if (!singles_.empty()) singles_[leaf] = single(leaf);
+  }
   const std::uint32_t last = leafCount_ - 1;
   if (std::find(leaves.begin(), leaves.end(), last) != leaves.end()) {
     for (std::size_t leaf = leafCount_; leaf < leaves_.size() * kLanes; ++leaf)
       setLeaf(static_cast<std::uint32_t>(leaf), boxOf(oh, last));
   }
-  std::sort(touched.begin(), touched.end());
+  std::sort(touched_.begin(), touched_.end());
   for (std::size_t level = 0; level < levels_.size(); ++level) {
-    for (std::uint32_t& node : touched)
+    for (std::uint32_t& node : touched_)
       node /= static_cast<std::uint32_t>(kLanes);
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-    for (const std::uint32_t node : touched)
+    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    for (const std::uint32_t node : touched_)
       setNode(level, node, aabbOfNode(oh, level, node));
   }
 }

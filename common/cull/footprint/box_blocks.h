@@ -21,13 +21,19 @@ struct alignas(64) OrientedBlock {
   float extent[kLanes];   ///< at least the sum of the half-axes' components, and at least 2^-96
 };
 
-/// Copies one lane.
-inline void copyLane(const OrientedBlock& from, std::size_t fromLane, OrientedBlock& to, std::size_t toLane) {
+/// One oriented box, in one line of the cache.
+struct alignas(64) OrientedBox {
+  double center[3];
+  float half[9], extent;
+};
+
+/// Puts a box into a lane.
+inline void setLane(OrientedBlock& block, std::size_t lane, const OrientedBox& box) {
   for (std::size_t i = 0; i < 3; ++i)
-    to.center[i][toLane] = from.center[i][fromLane];
+    block.center[i][lane] = box.center[i];
   for (std::size_t i = 0; i < 9; ++i)
-    to.half[i][toLane] = from.half[i][fromLane];
-  to.extent[toLane] = from.extent[fromLane];
+    block.half[i][lane] = box.half[i];
+  block.extent[lane] = box.extent;
 }
 
 /// Axis-aligned boxes: the inner nodes. Half-extents are scaled and rounded up, past the centre's rounding.
@@ -48,6 +54,10 @@ class BoxTree {
 
   [[nodiscard]] std::uint32_t leafCount() const { return leafCount_; }
   [[nodiscard]] const std::vector<OrientedBlock>& leaves() const { return leaves_; }
+  /// One leaf's box by itself, for those who need few of many; after keepSingles().
+  [[nodiscard]] const OrientedBox& leaf(std::uint32_t leaf) const { return singles_[leaf]; }
+  void keepSingles();
+
   /// levels()[0] has a node for each block of leaves; the last level has at most kLanes nodes. None where
   /// there is a single block of leaves.
   struct Level {
@@ -61,6 +71,7 @@ class BoxTree {
   [[nodiscard]] Obb boxOf(const ObjectHierarchy& oh, std::uint32_t leaf) const;
 
  private:
+  [[nodiscard]] OrientedBox single(std::uint32_t leaf) const;
   void setLeaf(std::uint32_t leaf, const Obb& box);
   void setNode(std::size_t level, std::uint32_t node, const Aabb& box);
   [[nodiscard]] Aabb aabbOfNode(const ObjectHierarchy& oh, std::size_t level, std::uint32_t node) const;
@@ -69,6 +80,7 @@ class BoxTree {
   std::uint32_t leafCount_ = 0;
   double scale_ = 1;
   std::vector<OrientedBlock> leaves_;
+  std::vector<OrientedBox> singles_;
   std::vector<Level> levels_;
   std::vector<std::vector<Aabb>> boxes_;  ///< of the nodes, by level
   std::vector<std::uint32_t> touched_;    ///< nodes to refit

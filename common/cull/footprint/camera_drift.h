@@ -9,10 +9,10 @@ namespace tessera::cull {
 ///
 /// x - bz = (A - bF).p changes by ((A' - bF') - (A - bF)).p + (A' - bF').(e - e') when the functionals become
 /// A' and F' and the eye e'. A norm of A - bF is convex in b, so over all borders b in [-1, n + 1] it is
-/// largest at an end. The sum over frames of what stands before |p| is `turn`, of the rest, and of the changes
-/// of near and far, is `travel`: between two frames x - bz changes by at most (turn' - turn) times the largest
-/// |p| on the way, plus travel' - travel. As (n + 2) z is the difference of two of them, z changes by at most
-/// two thirds of that. The same for rows.
+/// largest at an end. The sum over frames of what stands before |p| is `turn`, of the rest, and of the
+/// changes of near and far, is `travel`: between two frames x - bz changes by at most (turn' - turn) times
+/// the largest |p| on the way, plus travel' - travel. As (n + 2) z is the difference of two of them, z
+/// changes by at most two thirds of that. The same for rows.
 class CameraDrift {
  public:
   struct Axis {
@@ -27,9 +27,7 @@ class CameraDrift {
 
   [[nodiscard]] const Axis& columns() const { return columns_; }
   [[nodiscard]] const Axis& rows() const { return rows_; }
-  [[nodiscard]] double total() const {
-    return columns_.turn + columns_.travel + rows_.turn + rows_.travel;
-  }
+  [[nodiscard]] double total() const { return columns_.turn + columns_.travel + rows_.turn + rows_.travel; }
 
  private:
   bool isFirst_ = true;

@@ -1,6 +1,7 @@
 #include "common/cull/footprint/footprint_culler.h"
 
 #include <algorithm>
+#include <span>
 #include <thread>
 
 #include "common/hierarchy/frustum_hierarchy.h"
@@ -28,10 +29,17 @@ bool FootprintCuller::suits(const FrustumHierarchy& frusta) {
 }
 
 void FootprintCuller::prepare() {
-  if (isBuilt_ && revision_ == oh_->revision()) return;
-  tree_.build(*oh_, options_.bounds);
-  table_.boxesChanged();
-  revision_ = oh_->revision();
+  const std::uint64_t revision = oh_->revision();
+  if (isBuilt_ && revision_ == revision) return;
+  const std::span<const std::uint32_t> changed = oh_->changedLeaves();
+  if (isBuilt_ && revision == revision_ + 1 && changed.size() < oh_->leafCount() / 4) {
+    tree_.refit(*oh_, changed);
+    table_.expire(changed);
+  } else {
+    tree_.build(*oh_, options_.bounds);
+    table_.expireAll();
+  }
+  revision_ = revision;
   isBuilt_ = true;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/cull/footprint/box_blocks.h"
@@ -11,19 +12,23 @@
 
 namespace tessera::cull {
 
-/// Tells from what it spared whether reuse pays, for Reuse::Measured. It counts leaves, not time, so that
-/// runs repeat; the lists are the same either way.
+/// Tells whether reuse pays, for Reuse::Measured. It counts leaves, not time, so that runs repeat; the lists
+/// are the same either way.
 class ReuseJudge {
  public:
   /// Whether the next frame is to be certified.
-  [[nodiscard]] bool wants() const { return pause_ == 0; }
-  /// After a frame that was, and could spare: how many of how many leaves were looked at all the same.
+  [[nodiscard]] bool wants() const { return plainLooked_ > 0 && pause_ == 0; }
+  /// After a frame with certificates of the one before: how many of how many leaves were looked at.
   void certified(std::uint64_t looked, std::uint64_t all);
-  /// After a frame that was not.
-  void skipped() { pause_ -= pause_ > 0 ? 1 : 0; }
+  /// After a frame without, by way of the boxes above the leaves.
+  void plain(std::uint64_t looked);
 
  private:
-  unsigned pause_ = 0, nextPause_ = 8;
+  std::uint64_t plainLooked_ = 0;
+  unsigned pause_ = 0, nextPause_ = kShortestPause;
+  /// Frames without certificates, after one in which they did not pay: a first frame of them looks at every
+  /// leaf.
+  static constexpr unsigned kShortestPause = 32, kLongestPause = 512;
 };
 
 /// The footprints of all leaves of the last frame, one packed rectangle each (Algorithm::Table), and what the
@@ -39,10 +44,11 @@ class FootprintTable {
 
   /// Moves the table to this frame. `threads` >= 1. `reuse`: blocks whose footprints certainly hold are left
   /// as they are; the table is the same.
-  void update(const ObjectHierarchy& oh, const BoxTree& tree, const GridCoordinates& grid, bool refines,
+  void update(const ObjectHierarchy& oh, BoxTree& tree, const GridCoordinates& grid, bool refines,
               Reuse reuse, unsigned threads);
-  /// Boxes have changed: nothing certainly holds.
-  void boxesChanged() { certifies_ = false; }
+  /// The boxes of some leaves have changed, or of all: their footprints hold no longer.
+  void expire(std::span<const std::uint32_t> leaves);
+  void expireAll() { certifies_ = false; }
 
   /// Writes the lists out, and the counts of leaves looked at and of pairs.
   void list(Result& result);

@@ -377,6 +377,24 @@ void expired(const BlockExpiry* blocks, std::size_t count, const KernelDrift& dr
   }
 }
 
+void runs(const TileRect* rects, std::size_t count, std::uint16_t* masks) {
+  const F f;
+  const I i;
+  for (std::size_t b = 0; b < count; ++b) {
+    TileRect block[kLanes + 1];
+    block[0] = ~rects[b * kLanes];
+    std::copy_n(rects + b * kLanes, kLanes, block + 1);
+    std::uint32_t starts = 0;
+    for (std::size_t at = 0; at < kLanes; at += lanes()) {
+      const auto load = [&](const TileRect* from)
+                            HWY_ATTR { return hn::LoadU(i, reinterpret_cast<const std::int32_t*>(from)); };
+      const auto differs = hn::Ne(load(block + at + 1), load(block + at));
+      starts |= bitsOf(hn::RebindMask(f, differs)) << at;
+    }
+    masks[b] = static_cast<std::uint16_t>(starts);
+  }
+}
+
 void nodes(const KernelFrame& frame, const AlignedBlock& block, NodeFootprints& out) {
   const F f;
   out.contained = out.unknown = 0;
@@ -506,7 +524,7 @@ bool spans(const KernelFrame& frame, const OrientedBlock& block, std::size_t lan
 }
 
 Kernels makeKernels() {
-  return {leaves, leavesCertified, expired, nodes, spans};
+  return {leaves, leavesCertified, expired, runs, nodes, spans};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -111,6 +111,9 @@ struct Kernels {
   /// Masks of the lanes that hold no longer, one for each block.
   void (*expired)(const BlockExpiry* blocks, std::size_t count, const KernelDrift& drift,
                   std::uint16_t* masks);
+  /// Masks of the leaves whose rectangle is not the one of the leaf before, one for each block; the first of
+  /// a block always counts.
+  void (*runs)(const TileRect* rects, std::size_t count, std::uint16_t* masks);
   void (*nodes)(const KernelFrame&, const AlignedBlock& block, NodeFootprints& out);
   /// The columns that the outline of one leaf's box covers in each row of its rectangle `cells`, which
   /// `leaves` found. False where that is the whole rectangle.

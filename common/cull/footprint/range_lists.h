@@ -18,7 +18,13 @@ class RangeLists {
   /// All empty. Memory is kept from call to call.
   void begin(int columns, int rows);
 
-  void add(LeafRange leaves, const TileCells& cells) {
+  /// Not kNoTiles, without spans.
+  void add(LeafRange leaves, TileRect rect) {
+    const TileCells cells = unpack(rect);
+    if (cells.firstColumn == cells.lastColumn && cells.firstRow == cells.lastRow) {  // most are
+      pairs_ += leaves.last - leaves.first;
+      return add(leaves, static_cast<std::size_t>(cells.firstRow * columns_ + cells.firstColumn));
+    }
     for (int row = cells.firstRow; row <= cells.lastRow; ++row)
       addRow(leaves, row, cells.firstColumn, cells.lastColumn);
   }

@@ -102,7 +102,6 @@ TEST(Footprints, MeasuredReuseStopsWhereItDoesNotPay) {
   Flight flight(5);
   cull::Culler always(oh, optionsOf(Algorithm::Table, Reuse::Always));
   cull::Culler measured(oh, optionsOf(Algorithm::Table, Reuse::Measured));
-  // A certified frame looks at all leaves, the others at those that boxes above do not decide.
   std::uint64_t alwaysLooked = 0, measuredLooked = 0;
   for (int frame = 0; frame < 80; ++frame) {
     const GridFrusta frusta = frustaOf(flight.next(8, 8, 10, false), 8, 8);
@@ -110,6 +109,18 @@ TEST(Footprints, MeasuredReuseStopsWhereItDoesNotPay) {
     measuredLooked += measured.cullChanges(frusta).tests.nodes;
   }
   EXPECT_LT(measuredLooked, alwaysLooked);
+
+  // And takes place where it does.
+  Flight slow(5);
+  cull::Culler never(oh, optionsOf(Algorithm::Table, Reuse::Never)),
+      spares(oh, optionsOf(Algorithm::Table, Reuse::Measured));
+  std::uint64_t neverLooked = 0, sparesLooked = 0;
+  for (int frame = 0; frame < 80; ++frame) {
+    const GridFrusta frusta = frustaOf(slow.next(4, 4, 0.003, false), 4, 4);
+    neverLooked += never.cullChanges(frusta).tests.nodes;
+    sparesLooked += spares.cullChanges(frusta).tests.nodes;
+  }
+  EXPECT_LT(sparesLooked, neverLooked / 2);
 }
 
 TEST(Footprints, AnyNumberOfThreadsGivesTheSameLists) {
@@ -134,10 +145,11 @@ TEST(Footprints, AnyNumberOfThreadsGivesTheSameLists) {
 
 TEST(Footprints, ChangesAddUpToTheLists) {
   const ObjectHierarchy oh = clusters(3000, 8);
-  for (const Algorithm algorithm : {Algorithm::Table, Algorithm::Footprint, Algorithm::Auto, Algorithm::Adaptive,
-                                    Algorithm::Oh}) {
+  for (const Algorithm algorithm :
+       {Algorithm::Table, Algorithm::Footprint, Algorithm::Auto, Algorithm::Adaptive, Algorithm::Oh}) {
     Flight flight(9);
-    cull::Culler changing(oh, optionsOf(algorithm, Reuse::Always)), whole(oh, optionsOf(algorithm, Reuse::Never));
+    cull::Culler changing(oh, optionsOf(algorithm, Reuse::Always)),
+        whole(oh, optionsOf(algorithm, Reuse::Never));
     std::vector<VisibleList> lists;
     Geometry chance(10);
     int columns = 4, rows = 6;
@@ -208,7 +220,8 @@ TEST(Footprints, SeeRefittedBounds) {
     Mat4 shift = Mat4::Identity();
     shift.topRightCorner<3, 1>() = geometry.vector(2);
     for (int i = 0; i < 1 + frame * 20; ++i)
-      ASSERT_EQ(refit.move(static_cast<std::uint32_t>(geometry.below(5000)), shift), BoundsRefit::Moved::Done);
+      ASSERT_EQ(refit.move(static_cast<std::uint32_t>(geometry.below(5000)), shift),
+                BoundsRefit::Moved::Done);
     refit.refit();
     const GridFrusta frusta = frustaOf(flight.next(5, 5, 0.05, false), 5, 5);
     cull::Culler fresh(oh, optionsOf(Algorithm::Table, Reuse::Never));
@@ -231,14 +244,20 @@ TEST(Footprints, GiveWayToPlanesWhereTheyCannotTell) {
   const GridFrusta grid = frustaOf(view, 4, 4);
   EXPECT_EQ(pickedOn(grid, Algorithm::Table), Algorithm::Table);
   EXPECT_EQ(pickedOn(grid, Algorithm::Footprint), Algorithm::Footprint);
-  EXPECT_EQ(pickedOn(grid, Algorithm::Auto), Algorithm::Table);
+  EXPECT_EQ(pickedOn(grid, Algorithm::Auto), Algorithm::Footprint);
+  cull::Culler changing(oh, {.algorithm = Algorithm::Auto});
+  changing.cullChanges(grid);
+  EXPECT_EQ(changing.picked(), Algorithm::Table);
+  EXPECT_FALSE(changing.readsPlanes(grid));
   EXPECT_EQ(pickedOn(grid, Algorithm::Auto, cull::BoundsKind::Sphere), Algorithm::Adaptive);
   EXPECT_EQ(pickedOn(frustaOf(flight.next(130, 1, 0, false), 130, 1), Algorithm::Auto), Algorithm::Adaptive);
   PlacedFrusta placed;
   placed.update(grid, Mat4::Identity());
   EXPECT_EQ(pickedOn(placed, Algorithm::Table), Algorithm::Adaptive);
   // A telescope: floats do not tell its tiles apart.
-  const WallView narrow = viewOf(gridWall(4, 4, 0.002), {.eye = Vec3(0, 0, 9), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}}, Vec3::Zero(), 6);
+  const WallView narrow = viewOf(
+      gridWall(4, 4, 0.002),
+      {.eye = Vec3(0, 0, 9), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}}, Vec3::Zero(), 6);
   EXPECT_EQ(pickedOn(frustaOf(narrow, 4, 4), Algorithm::Auto), Algorithm::Adaptive);
   // A wall with one tile moved is no uniform grid.
   WallView broken = view;
@@ -252,7 +271,10 @@ TEST(GridCoordinates, PlacePointsInTheTilesThatSeeThem) {
   std::uint64_t seen = 0;
   for (const double offset : {0.0, 1e5, 1e9, 1e12}) {
     const Vec3 center(offset, -offset / 3, offset / 7);
-    const WallView view = viewOf(gridWall(9, 6, 40), {.eye = center, .target = center + geometry.vector(10), .up = Vec3(0, 1, 0), .fovYRad = {}}, center, 20);
+    const WallView view =
+        viewOf(gridWall(9, 6, 40),
+               {.eye = center, .target = center + geometry.vector(10), .up = Vec3(0, 1, 0), .fovYRad = {}},
+               center, 20);
     const auto grid = GridCoordinates::of(view.wall, view.tiles, 9, 6);
     ASSERT_TRUE(grid) << offset;
     EXPECT_LT(grid->columnHigh - grid->columnLow, 1.01);
@@ -264,7 +286,8 @@ TEST(GridCoordinates, PlacePointsInTheTilesThatSeeThem) {
         ++seen;
         const auto along = [&](const std::array<float, 3>& f) {
           const Vec3 d = p - grid->eye;
-          return static_cast<long double>(f[0]) * d.x() + static_cast<long double>(f[1]) * d.y() + static_cast<long double>(f[2]) * d.z();
+          return static_cast<long double>(f[0]) * d.x() + static_cast<long double>(f[1]) * d.y() +
+                 static_cast<long double>(f[2]) * d.z();
         };
         const long double column = along(grid->column) / along(grid->depth) - static_cast<long double>(t % 9);
         const long double row = along(grid->row) / along(grid->depth) - static_cast<long double>(t / 9);
@@ -280,10 +303,13 @@ TEST(GridCoordinates, PlacePointsInTheTilesThatSeeThem) {
 }
 
 TEST(GridCoordinates, RefuseWhatIsNoGridSeenTheRightWayRound) {
-  WallView view = viewOf(gridWall(3, 2, 40), {.eye = Vec3(0, 0, 5), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}}, Vec3::Zero(), 2);
+  WallView view = viewOf(gridWall(3, 2, 40),
+                         {.eye = Vec3(0, 0, 5), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
+                         Vec3::Zero(), 2);
   EXPECT_TRUE(GridCoordinates::of(view.wall, view.tiles, 3, 2));
   WallView mirrored = view;
-  for (Frustum* f : {&mirrored.wall, &mirrored.tiles[0], &mirrored.tiles[1], &mirrored.tiles[2], &mirrored.tiles[3], &mirrored.tiles[4], &mirrored.tiles[5]})
+  for (Frustum* f : {&mirrored.wall, &mirrored.tiles[0], &mirrored.tiles[1], &mirrored.tiles[2],
+                     &mirrored.tiles[3], &mirrored.tiles[4], &mirrored.tiles[5]})
     std::swap(f->corners[0], f->corners[1]), std::swap(f->corners[2], f->corners[3]);
   EXPECT_FALSE(GridCoordinates::of(mirrored.wall, mirrored.tiles, 3, 2));
   WallView swapped = view;

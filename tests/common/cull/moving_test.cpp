@@ -216,7 +216,7 @@ TEST(Culler, ListsAreTheSameOnEveryInstructionSet) {
       hash = cull::hashOf(culler.cull(frusta).lists, hash);
     }
   }
-  EXPECT_EQ(hash, 11320807387116775649u);
+  EXPECT_EQ(hash, 2388435862944012107u);
 }
 
 }  // namespace
