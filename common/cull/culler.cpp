@@ -166,10 +166,16 @@ const Changes& Culler::cullChanges(const FrustumHierarchy& frusta) {
         changes.leafCounts[tile] = static_cast<std::uint32_t>(leafCount(work.result.lists[tile]));
       changes.pairs = work.result.pairs;
     }
+    if (!work.togglesAreTables) {
+      for (VisibleList& list : changes.toggled)
+        list.clear();
+    }
     footprints_->changesByTable(*frusta.grid(), changes);
+    work.togglesAreTables = true;
     work.holdsLists = false;
     return changes;
   }
+  work.togglesAreTables = false;
   listBeforeFrom(frusta);
   listAll(frusta);
   for (std::uint32_t tile = 0; tile < frusta.tileCount(); ++tile) {

@@ -38,6 +38,7 @@ struct Workspace {
   std::vector<VisibleList> listsBefore;  ///< of the call before, where changes are asked for
   std::uint32_t tileCount = 0;           ///< of the call before
   bool holdsLists = false;               ///< `result` has that call's lists
+  bool togglesAreTables = false;         ///< `changes` has what the table's last changes were
   bool holdsTable = false;               ///< the table of footprints has them
   PlaneTester tester;
   std::vector<Task> tasks;

@@ -422,7 +422,10 @@ void FootprintTable::list(std::uint32_t tile, VisibleList& out) const {
 }
 
 void FootprintTable::changes(Changes& changes) {
-  lists_.begin(columns_, rows_);
+  for (const std::uint32_t tile : toggles_.touched()) {
+    if (tile < changes.toggled.size()) changes.toggled[tile].clear();
+  }
+  toggles_.begin(columns_, rows_);
   changes.tests.nodes = leavesLookedAt();
   for (const Chunk& chunk : chunks_) {
     for (const Changed& changed : chunk.changed) {
@@ -447,15 +450,15 @@ void FootprintTable::changes(Changes& changes) {
           const bool isIn = is.first <= column && column <= is.last;
           if (wasIn == isIn) continue;
           const auto tile = static_cast<std::size_t>(row * columns_ + column);
-          lists_.add(leaf, tile);
+          toggles_.add(leaf, tile);
           changes.leafCounts[tile] += isIn ? 1U : ~0U;
           changes.pairs += isIn ? 1U : ~std::uint64_t{0};
         }
       }
     }
   }
-  for (std::size_t tile = 0; tile < changes.toggled.size(); ++tile) {
-    const std::span<const LeafRange> list = lists_.list(tile);
+  for (const std::uint32_t tile : toggles_.touched()) {
+    const std::span<const LeafRange> list = toggles_.list(tile);
     changes.toggled[tile].assign(list.begin(), list.end());
   }
 }

@@ -54,7 +54,8 @@ class FootprintTable {
   void list(Result& result);
   /// One tile's list.
   void list(std::uint32_t tile, VisibleList& out) const;
-  /// What the last update changed. `changes` has counts of the frame before.
+  /// What the last update changed. `changes` has the counts of the frame before, and lists that are empty but
+  /// for those that the last call filled.
   void changes(Changes& changes);
 
  private:
@@ -85,7 +86,7 @@ class FootprintTable {
   std::vector<TileRect> rects_;       ///< by leaf, filled up to whole blocks
   std::vector<std::uint32_t> slots_;  ///< by leaf, of its chunk; of those with spans
   std::vector<Chunk> chunks_;
-  RangeLists lists_;
+  RangeLists lists_, toggles_;
 
   std::vector<BlockExpiry> expiries_;
   CameraDrift drift_;

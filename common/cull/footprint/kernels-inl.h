@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "common/cull/footprint/kernels.h"
@@ -325,6 +326,11 @@ HWY_INLINE void leavesOf(const KernelFrame& frame, const OrientedBlock* blocks, 
                          TileRect* rects, BlockLanes* open, const KernelDrift* drift, BlockExpiry* expiries) {
   [[maybe_unused]] const F f;
   for (std::size_t b = 0; b < count; ++b) {
+    if (b + 2 < count) {  // boxes come from far: a table is used once a frame
+      const auto* next = reinterpret_cast<const char*>(blocks + b + 2);
+      for (std::size_t line = 0; line < sizeof(OrientedBlock); line += 64)
+        hwy::Prefetch(next + line);
+    }
     std::uint32_t undecided = 0, wide = 0;
     for (std::size_t at = 0; at < kLanes; at += lanes()) {
       const Decision d = decide(frame, boxOf(frame, blocks[b], at));

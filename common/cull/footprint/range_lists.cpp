@@ -11,15 +11,18 @@ constexpr LeafRange kNone = {0, UINT32_MAX};
 
 void RangeLists::begin(int columns, int rows) {
   columns_ = columns;
-  tileCount_ = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   pairs_ = 0;
-  if (tiles_.size() < tileCount_) tiles_.resize(tileCount_);
-  for (std::size_t i = 0; i < tileCount_; ++i) {
-    Tile& tile = tiles_[i];
-    if (tile.ranges.empty()) tile.ranges.assign(kFirstCapacity, kNone);
+  for (const std::uint32_t tile : touched_)
+    tiles_[tile].last = tiles_[tile].ranges.data();
+  touched_.clear();
+  const std::size_t count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  for (std::size_t i = tiles_.size(); i < count; ++i) {
+    Tile& tile = tiles_.emplace_back();
+    tile.ranges.assign(kFirstCapacity, kNone);
     tile.last = tile.ranges.data();
     tile.limit = tile.ranges.data() + tile.ranges.size() - 1;
   }
+  touched_.reserve(tiles_.size());
 }
 
 void RangeLists::grow(Tile& tile) {

@@ -37,6 +37,7 @@ class RangeLists {
   void add(LeafRange leaves, std::size_t tile) {
     Tile& t = tiles_[tile];
     LeafRange* range = t.last;
+    if (range == t.ranges.data()) touched_.push_back(static_cast<std::uint32_t>(tile));
     const bool opens = range->last != leaves.first;
     range += opens;
     range->first = opens ? leaves.first : range->first;
@@ -48,7 +49,8 @@ class RangeLists {
   /// (leaf, tile) pairs so far.
   [[nodiscard]] std::uint64_t pairs() const { return pairs_; }
 
-  [[nodiscard]] std::size_t tileCount() const { return tileCount_; }
+  /// The tiles whose lists are not empty, in no order.
+  [[nodiscard]] std::span<const std::uint32_t> touched() const { return touched_; }
   [[nodiscard]] std::span<const LeafRange> list(std::size_t tile) const {
     return {tiles_[tile].ranges.data() + 1, tiles_[tile].last + 1};
   }
@@ -70,7 +72,7 @@ class RangeLists {
   }
 
   std::vector<Tile> tiles_;
-  std::size_t tileCount_ = 0;
+  std::vector<std::uint32_t> touched_;
   int columns_ = 0;
   std::uint64_t pairs_ = 0;
 };
