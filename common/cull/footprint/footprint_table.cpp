@@ -71,6 +71,7 @@ class FootprintTable::Updater {
         frame_(KernelFrame::forLeaves(grid, tree.scale())),
         nodeFrame_(KernelFrame::forNodes(grid, tree.scale())),
         drift_(roundedUp(table.drift_)),
+        refines_(refines),
         outliner_(oh, tree, grid, refines) {
     chunk_.changed.clear();
     chunk_.spansBefore.clear();
@@ -96,7 +97,7 @@ class FootprintTable::Updater {
         std::iota(ids.begin(), ids.end(), id);
         const std::size_t leaves = std::min<std::size_t>(kLanes, table_.leafCount_ - id);
         takeBlock({ids.data(), leaves}, lanes[b], rects.data() + b * kLanes);
-        if (certifies) expireRefined(rects.data() + b * kLanes, table_.expiries_[first + b]);
+        if (certifies) expireRefined(lanes[b], table_.expiries_[first + b]);
       }
     }
   }
@@ -183,7 +184,7 @@ class FootprintTable::Updater {
     for (std::size_t lane = 0; lane < ids.size(); ++lane)
       takeUnrefined(ids[lane], rects[lane], (done >> lane) & 1);
     sortFrom(ids.front());
-    expireRefined(rects.data(), expiry);
+    expireRefined(lanes, expiry);
     for (std::size_t lane = 0; lane < ids.size(); ++lane) {
       BlockExpiry& to = table_.expiries_[ids[lane] / kLanes];
       const std::size_t place = ids[lane] % kLanes;
@@ -215,11 +216,10 @@ class FootprintTable::Updater {
     sortFrom(ids.front());
   }
 
-  /// Spans may change with the slightest motion.
-  static void expireRefined(const TileRect* rects, BlockExpiry& expiry) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (rects[lane] & kSpansFlag) expiry.columnUntil[lane] = -std::numeric_limits<float>::infinity();
-    }
+  /// Spans may change with the slightest motion, also where they are the whole rectangle now.
+  void expireRefined(BlockLanes lanes, BlockExpiry& expiry) const {
+    for (std::uint32_t left = refines_ ? lanes.wide : 0U; left != 0; left &= left - 1)
+      expiry.columnUntil[std::countr_zero(left)] = -std::numeric_limits<float>::infinity();
   }
 
   /// Those with spans are taken one by one, before their slots are used again. A mask of them.
@@ -286,6 +286,7 @@ class FootprintTable::Updater {
   const Kernels& kernels_;
   KernelFrame frame_, nodeFrame_;
   KernelDrift drift_;
+  bool refines_;
   Outliner outliner_;
   OrientedBlock gathered_;
   std::array<std::uint32_t, 128> pending_;

@@ -314,7 +314,14 @@ HWY_INLINE Margins marginsOf(const KernelFrame& frame, const Decision& d) {
   const V rowOut = hn::IfThenElse(byDepth, offBoth, hn::IfThenElse(byColumn, inf, offRows));
   margins.column = hn::IfThenElse(d.empty, columnOut, margins.column);
   margins.row = hn::IfThenElse(d.empty, rowOut, margins.row);
-  const M holds = hn::AndNot(d.undecided, hn::And(hn::Gt(margins.column, zero), hn::Gt(margins.row, zero)));
+  // While it holds, z may halve and m double, and a box with a rectangle must not be left open for that.
+  const auto above = [&](float factor, V of)
+                         HWY_ATTR { return hn::Gt(d.zLeast, hn::Mul(hn::Set(f, 4 * factor), of)); };
+  const M staysBefore =
+      hn::And(hn::And(above(frame.frontError, d.magnitude), above(frame.depthRatio, d.zMost)),
+              hn::And(above(frame.leastDepth, one), hn::Lt(d.magnitude, hn::Set(f, frame.mostSize / 4))));
+  const M holds = hn::And(hn::AndNot(d.undecided, hn::Or(d.empty, staysBefore)),
+                          hn::And(hn::Gt(margins.column, zero), hn::Gt(margins.row, zero)));
   const V never = hn::Neg(inf);  // also for NaN
   margins.column = hn::IfThenElse(holds, margins.column, never);
   margins.row = hn::IfThenElse(holds, margins.row, never);

@@ -16,8 +16,9 @@ namespace {
 
 using cull::Algorithm;
 
-constexpr std::array kAlgorithms = {Algorithm::None, Algorithm::Naive,    Algorithm::Oh,
-                                    Algorithm::Fh,   Algorithm::Adaptive, Algorithm::AdaptiveListing};
+constexpr std::array kAlgorithms = {Algorithm::None,      Algorithm::Naive,    Algorithm::Oh,
+                                    Algorithm::Fh,        Algorithm::Adaptive, Algorithm::AdaptiveListing,
+                                    Algorithm::Footprint, Algorithm::Table,    Algorithm::Auto};
 
 Bounds pointBounds(const Vec3& p) {
   return boundsOf(std::array{p, Vec3(p + Vec3(0.01, 0, 0)), Vec3(p + Vec3(0, 0.01, 0))}, Vec3::Zero());
@@ -218,6 +219,9 @@ TEST(CullerOptions, RefusesSwitchesThatDoNotGoTogether) {
   EXPECT_FALSE(
       check(cull::Options{.bounds = BoundsKind::Aabb, .switches = {.signTable = true, .sphereFirst = true}}));
   EXPECT_FALSE(check(cull::Options{.algorithm = Algorithm::Oh, .switches = {.regroup = true}}));
+  EXPECT_FALSE(check(cull::Options{.algorithm = Algorithm::Table, .bounds = BoundsKind::Sphere}));
+  EXPECT_FALSE(check(cull::Options{.algorithm = Algorithm::Footprint, .switches = {.octantTest = true}}));
+  EXPECT_TRUE(check(cull::Options{.algorithm = Algorithm::Auto, .bounds = BoundsKind::Sphere}));
   EXPECT_TRUE(check(cull::Options{}));
 }
 
