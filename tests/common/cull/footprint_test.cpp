@@ -106,6 +106,39 @@ TEST(Footprints, TreeTableAndReuseGiveTheSameListsAlongAFlight) {
   EXPECT_LT(lookedAlongAFlight(oh, 24, 24), 0.5);
 }
 
+// Where a node is no larger than its leaves, and all of them touch a tile's border within rounding, the node
+// must still hold them: its error has to be the larger one.
+TEST(Footprints, NodesHoldLeavesThatTouchABorder) {
+  Flight flight(20);
+  Geometry geometry(21);
+  for (int round = 0; round < 6; ++round) {
+    const WallView view = flight.next(12, 9, 1, true);
+    const GridFrusta frusta = frustaOf(view, 12, 9);
+    ObjectHierarchyBuilder builder;
+    for (int group = 0; group < 1500; ++group) {
+      const Triangle triangle = geometry.hard(view.tiles);
+      // Off the border by about the error of a float.
+      const Vec3 shift = geometry.vector(2e-7 * (triangle[0] - view.wall.eye).norm());
+      const std::array points = {Vec3(triangle[0] + shift)};
+      for (std::size_t i = 0; i < cull::kLanes; ++i)
+        builder.addLeaf(boundsOf(points, Vec3::Zero()));
+    }
+    const ObjectHierarchy oh = builder.finish();
+    const auto optionsWith = [](Algorithm algorithm, Reuse reuse) {
+      cull::Options options = optionsOf(algorithm, reuse);
+      options.bounds = cull::BoundsKind::Aabb;
+      return options;
+    };
+    // Certified frames look at the leaves themselves.
+    cull::Culler leaves(oh, optionsWith(Algorithm::Table, Reuse::Always));
+    cull::Culler nodes(oh, optionsWith(Algorithm::Table, Reuse::Never));
+    cull::Culler tree(oh, optionsWith(Algorithm::Footprint, Reuse::Never));
+    const std::vector<VisibleList> expected = leaves.cull(frusta).lists;
+    ASSERT_EQ(nodes.cull(frusta).lists, expected);
+    ASSERT_EQ(tree.cull(frusta).lists, expected);
+  }
+}
+
 TEST(Footprints, MeasuredReuseStopsWhereItDoesNotPay) {
   const ObjectHierarchy oh = clusters(6000, 3);
   Flight flight(5);
