@@ -18,9 +18,9 @@ enum class Algorithm {
   Adaptive,  ///< the paper's text: descend FH while the node is uncut, unfold OH where it is cut, and go on
              ///< culling OH against what is left of the planes where FH ends
   AdaptiveListing,  ///< Algorithm 2 as printed: where FH ends the whole node is marked
-  Footprint,  ///< intervals of columns and rows of projected boxes, 8 at a time, in a wide implicit tree
-  Table,      ///< the same of every leaf, without a tree, as one dense table
-  Auto,       ///< chooses between table, footprint and adaptive; what runs is Culler::picked()
+  Footprint,        ///< intervals of columns and rows of projected boxes, 16 at a time, in a tree
+  Table,            ///< the same of every leaf, without a tree, as one dense table
+  Auto,             ///< chooses between table, footprint and adaptive; what runs is Culler::picked()
 };
 
 /// What is tested against the planes.

@@ -71,7 +71,7 @@ cull::Options optionsOf(Algorithm algorithm, Reuse reuse, unsigned threads = 1) 
 }
 
 /// Cullers by every way on the same flight; the share of leaves that reuse looked at while it was slow.
-double lookedAlongAFlight(const ObjectHierarchy& oh, int columns, int rows) {
+double lookedAlongAFlight(const ObjectHierarchy& oh, int columns, int rows, bool cutsDepth = false) {
   Flight flight(4);
   std::vector<cull::Culler> cullers;
   for (const cull::Options& options :
@@ -83,7 +83,12 @@ double lookedAlongAFlight(const ObjectHierarchy& oh, int columns, int rows) {
   for (int frame = 0; frame < 180; ++frame) {
     // Very slow, slow, and too fast for anything to be kept.
     const double stepDeg = frame < 60 ? 0.003 : frame < 120 ? 0.1 : 4;
-    const GridFrusta frusta = frustaOf(flight.next(columns, rows, stepDeg, frame % 60 == 0), columns, rows);
+    WallView view = flight.next(columns, rows, stepDeg, frame % 60 == 0);
+    if (cutsDepth) {
+      view.wall.near = 1.5;
+      view.wall.far = 4;
+    }
+    const GridFrusta frusta = frustaOf(view, columns, rows);
     const std::vector<VisibleList> expected = cullers[0].cull(frusta).lists;
     for (std::size_t i = 1; i < cullers.size(); ++i) {
       const cull::Result& result = cullers[i].cull(frusta);
@@ -104,6 +109,7 @@ TEST(Footprints, TreeTableAndReuseGiveTheSameListsAlongAFlight) {
   const ObjectHierarchy oh = clusters(6000, 3);
   EXPECT_LT(lookedAlongAFlight(oh, 7, 5), 0.25);  // reuse did take place
   EXPECT_LT(lookedAlongAFlight(oh, 24, 24), 0.5);
+  EXPECT_LT(lookedAlongAFlight(oh, 5, 4, true), 0.25);  // leaves come and go at near and far, too
 }
 
 // Where a node is no larger than its leaves, and all of them touch a tile's border within rounding, the node
