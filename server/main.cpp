@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   tessera::addCullCommand(app, commands);
   tessera::addBenchCommands(app, commands);
   tessera::addSceneCommands(app, commands);
+  tessera::addWallCommands(app, commands);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& e) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/bounded_plane.h"
+#include "common/geometry/frustum.h"
 #include "common/hierarchy/grid_coordinates.h"
 
 namespace tessera {
@@ -58,8 +59,18 @@ class FrustumHierarchy {
   /// Holds all tiles. May have no planes, where the tiles surround the eye.
   [[nodiscard]] const FrustumPlanes& primary() const { return primary_; }
   [[nodiscard]] const FrustumPlanes& tile(std::uint32_t tile) const { return tiles_[tile]; }
-  /// Where the tiles are a uniform grid and nothing stands against them.
+  /// Where the tiles are an even grid and nothing stands against them.
   [[nodiscard]] const std::optional<GridCoordinates>& grid() const { return grid_; }
+
+  /// Widens every plane such that a tile holds what either of two eyes sees through it, so that one traversal
+  /// serves a stereo pair: after an update with the frusta of an eye between them. `left` and `right` are the
+  /// tiles' frusta by each eye, with the image rectangles of the tiles. grid() is nothing from then on, until
+  /// the next update.
+  ///
+  /// Derivation: a point of the cone of eye e is p = e + q, q in the cone of its corner rays, so that
+  /// n.q >= -a |q| for a plane n whose sides those rays stick out over by the angle a. With d = e - eye(),
+  /// relative to eye() the value is n.(d + q) >= n.d - a |q| >= n.d - a |d| - a |p|.
+  void holdEyes(std::span<const Frustum> left, std::span<const Frustum> right);
 
  protected:
   FrustumHierarchy() = default;
@@ -74,6 +85,10 @@ class FrustumHierarchy {
   std::vector<FrustumPlanes> tiles_;
   FrustumPlanes primary_;
   std::optional<GridCoordinates> grid_;
+
+ private:
+  struct EyeCones;
+  std::vector<std::uint8_t> tilesBelow_;  ///< holdEyes' notes: which tiles are below a child
 };
 
 }  // namespace tessera

@@ -11,8 +11,8 @@ namespace tessera {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// How far a corner may lie from its place, in tiles.
-constexpr double kMostDeviation = 1.0 / 64;
+/// How far a corner may lie from its cell's, and how much these distances may differ, in cells.
+constexpr double kMostInset = 1.0 / 4, kMostDeviation = 1.0 / 64;
 
 std::array<float, 3> toFloat(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
@@ -29,6 +29,7 @@ struct Extent {
     least = std::min(least, low);
     largest = std::max(largest, high);
   }
+  [[nodiscard]] bool isNarrow() const { return largest - least < kMostDeviation; }
 };
 
 /// Where corners lie against their places in the lattice.
@@ -54,7 +55,7 @@ class Deviation {
     const double y = (row_.dot(k) - row * z) * scale, yError = 2 * rowError_.dot(size) * scale;
     columns.add(x - xError, x + xError);
     rows.add(y - yError, y + yError);
-    return std::abs(x) + xError < kMostDeviation && std::abs(y) + yError < kMostDeviation;
+    return std::abs(x) + xError < kMostInset && std::abs(y) + yError < kMostInset;
   }
   [[nodiscard]] const Extent& depths() const { return depths_; }
 
@@ -65,15 +66,15 @@ class Deviation {
 
 }  // namespace
 
-std::optional<GridCoordinates> GridCoordinates::of(const Frustum& wall, std::span<const Frustum> tiles,
+std::optional<GridCoordinates> GridCoordinates::of(const Frustum& lattice, std::span<const Frustum> tiles,
                                                    int columns, int rows) {
   GridCoordinates grid;
   grid.columns = columns;
   grid.rows = rows;
-  grid.eye = wall.eye;
-  // A point of the wall's plane is z (origin + a across + b down).
-  const Vec3 origin = wall.corners[3] - wall.eye;
-  const Vec3 across = wall.corners[2] - wall.corners[3], down = wall.corners[0] - wall.corners[3];
+  grid.eye = lattice.eye;
+  // A point of the lattice's plane is z (origin + a across + b down).
+  const Vec3 origin = lattice.corners[3] - lattice.eye;
+  const Vec3 across = lattice.corners[2] - lattice.corners[3], down = lattice.corners[0] - lattice.corners[3];
   const Vec3 normal = across.cross(down);
   const double volume = normal.dot(origin), largest = normal.cwiseAbs().maxCoeff();
   if (!(volume > 0) || !(largest > 0) || !std::isfinite(volume) || !std::isfinite(largest))
@@ -98,20 +99,22 @@ std::optional<GridCoordinates> GridCoordinates::of(const Frustum& wall, std::spa
       if (!fits) return std::nullopt;
     }
   }
+  if (!left.isNarrow() || !right.isNarrow() || !top.isNarrow() || !bottom.isNarrow()) return std::nullopt;
   grid.columnLow = left.least;
   grid.columnHigh = 1 + right.largest;
   grid.rowLow = top.least;
   grid.rowHigh = 1 + bottom.largest;
 
   // The corners' heights along `depth` differ by at most `rise`, so a tile's normal is turned against it by
-  // at most rise (|a| + |b|) / |a x b|, a and b being the tile's edges in the plane; twice that covers edges
-  // whose ends deviate by 1/64.
+  // at most rise (|a| + |b|) / |a x b|, a and b being the tile's edges in the plane: cells' edges times no
+  // less than `least`. Twice that covers edges whose ends deviate by 1/64.
   const double length = toDouble(grid.depth).norm();
   const double rise = (deviation.depths().largest - deviation.depths().least) / length;
-  const double tilt = 2 * rise * (rows * across.norm() + columns * down.norm()) / normal.norm();
+  const double least = std::min({1.0, 1 + right.least - left.largest, 1 + bottom.least - top.largest});
+  const double tilt = 2 * rise / least * (rows * across.norm() + columns * down.norm()) / normal.norm();
   grid.depthError = length * (tilt + 16 * kUnitRoundoff);
-  grid.nearDepth = wall.near ? *wall.near * length * (1 - 16 * kUnitRoundoff) : 0;
-  grid.farDepth = wall.far ? *wall.far * length * (1 + 16 * kUnitRoundoff) : kInfinity;
+  grid.nearDepth = lattice.near ? *lattice.near * length * (1 - 16 * kUnitRoundoff) : 0;
+  grid.farDepth = lattice.far ? *lattice.far * length * (1 + 16 * kUnitRoundoff) : kInfinity;
   if (!std::isfinite(grid.depthError) || !(grid.nearDepth >= 0)) return std::nullopt;
   return grid;
 }

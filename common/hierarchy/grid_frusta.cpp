@@ -11,13 +11,14 @@ constexpr std::uint32_t kBottom = 1, kRight = 2, kTop = 4, kLeft = 8;
 
 }  // namespace
 
-GridFrusta::GridFrusta(std::uint16_t columns, std::uint16_t rows, PlaneSource source)
+GridFrusta::GridFrusta(std::uint16_t columns, std::uint16_t rows, PlaneSource source, Neighbours neighbours)
     : columns_(columns), rows_(rows), source_(source) {
   const std::size_t tileCount = std::size_t{columns} * rows;
   tiles_.resize(tileCount);
   cones_.resize(tileCount);
   build();
   bisections_.resize(nodes_.size());
+  testsTiles_ = neighbours == Neighbours::GapOrOverlap && tileCount > 1;
 }
 
 void GridFrusta::build() {
@@ -53,9 +54,9 @@ void GridFrusta::build() {
   }
 }
 
-void GridFrusta::updateGrid(const Frustum& wall, std::span<const Frustum> tiles) {
-  eye_ = wall.eye;
-  grid_ = GridCoordinates::of(wall, tiles, columns_, rows_);
+void GridFrusta::updateGrid(const Frustum& lattice, std::span<const Frustum> tiles) {
+  eye_ = lattice.eye;
+  grid_ = GridCoordinates::of(lattice, tiles, columns_, rows_);
 }
 
 void GridFrusta::updatePlanes(const Frustum& wall, std::span<const Frustum> tiles) {
@@ -87,6 +88,11 @@ void GridFrusta::updatePlanes(const Frustum& wall, std::span<const Frustum> tile
   };
   if (wall.near) addDepth(*wall.near, 1);
   if (wall.far) addDepth(*wall.far, -1);
+  if (!testsTiles_) return;
+  for (LeafTile& leaf : leafTiles_) {
+    leaf.mask = tiles_[leaf.tile].all();
+    leaf.boundedByPrimary = false;
+  }
 }
 
 /// How far the corners of the cells' tiles stick out over the outside (sign 1: where the plane is negative)

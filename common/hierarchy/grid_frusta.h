@@ -11,15 +11,20 @@
 
 namespace tessera {
 
-/// The frustum hierarchy of a uniform grid of tiles, bisected along the longer side first. Its leaves fill
-/// their parents, so no terminal test is needed. The topology depends on the grid alone; update() moves the
-/// planes.
+/// The frustum hierarchy of an even grid of tiles, bisected along the longer side first. The topology depends
+/// on the grid alone; update() moves the planes.
 ///
-/// A tile's own corners are rounded, so they may stick out over the bisection plane or the wall's sides by
-/// some rounding; how far is measured at each update and added to the planes' bound.
+/// Where tiles touch, its leaves fill their parents, so no terminal test is needed. Where there are bezels
+/// between them or they overlap, what arrives at a leaf has still to be tested against the tile's sides.
+///
+/// A tile's own corners are rounded, and tiles may overlap, so they may stick out over the bisection plane or
+/// the wall's sides; how far is measured at each update and added to the planes' bound.
 class GridFrusta : public FrustumHierarchy {
  public:
-  GridFrusta(std::uint16_t columns, std::uint16_t rows, PlaneSource source = PlaneSource::Corners);
+  enum class Neighbours { Touch, GapOrOverlap };
+
+  GridFrusta(std::uint16_t columns, std::uint16_t rows, PlaneSource source = PlaneSource::Corners,
+             Neighbours neighbours = Neighbours::Touch);
 
   /// `wall` is the primary frustum; `tiles` has columns*rows frusta of the same eye, row by row from the top;
   /// near and far are taken from `wall`. Does not allocate.
@@ -28,7 +33,8 @@ class GridFrusta : public FrustumHierarchy {
     updatePlanes(wall, tiles);
   }
   /// The same in two: the eye and grid() alone, some fifteen times faster than the planes, and all else.
-  void updateGrid(const Frustum& wall, std::span<const Frustum> tiles);
+  /// `lattice`: the frustum of all the grid's cells; that of the wall where tiles touch.
+  void updateGrid(const Frustum& lattice, std::span<const Frustum> tiles);
   void updatePlanes(const Frustum& wall, std::span<const Frustum> tiles);
 
  private:
@@ -48,7 +54,8 @@ class GridFrusta : public FrustumHierarchy {
   std::vector<Cells> cells_;  ///< parallel to nodes_
   std::vector<TileCone> cones_;
   double minDepth_ = 0;  ///< of all tiles' corners along the wall's axis
-  bool proper_ = true;   ///< all tiles are certainly convex; else no plane but a tile's own culls
+  bool testsTiles_ = false;
+  bool proper_ = true;  ///< all tiles are certainly convex; else no plane but a tile's own culls
 };
 
 }  // namespace tessera

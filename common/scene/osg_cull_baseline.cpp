@@ -67,10 +67,10 @@ class CountingVisitor : public osgUtil::CullVisitor {
 
 osg::Matrixd viewMatrixOf(const WallView& view) {
   Mat4 m = Mat4::Identity();
-  m.row(0).head<3>() = view.right.transpose();
-  m.row(1).head<3>() = view.up.transpose();
-  m.row(2).head<3>() = view.right.cross(view.up).transpose();  // towards the eye
-  m.topRightCorner<3, 1>() = -(m.topLeftCorner<3, 3>() * view.wall.eye);
+  m.row(0).head<3>() = view.axes[0].right.transpose();
+  m.row(1).head<3>() = view.axes[0].up.transpose();
+  m.row(2).head<3>() = view.axes[0].right.cross(view.axes[0].up).transpose();  // towards the eye
+  m.topRightCorner<3, 1>() = -(m.topLeftCorner<3, 3>() * view.screens[0].eye);
   osg::Matrixd out;
   Eigen::Map<Mat4>(out.ptr()) = m;  // see toColumnVectors in common/scene/extract.cpp
   return out;
@@ -78,9 +78,9 @@ osg::Matrixd viewMatrixOf(const WallView& view) {
 
 osg::Matrixd projectionOf(const Frustum& tile, const WallView& view) {
   Mat3 rotation;
-  rotation.row(0) = view.right.transpose();
-  rotation.row(1) = view.up.transpose();
-  rotation.row(2) = view.right.cross(view.up).transpose();
+  rotation.row(0) = view.axes[0].right.transpose();
+  rotation.row(1) = view.axes[0].up.transpose();
+  rotation.row(2) = view.axes[0].right.cross(view.axes[0].up).transpose();
   const Vec3 lowerLeft = rotation * (tile.corners[0] - tile.eye);
   const Vec3 upperRight = rotation * (tile.corners[2] - tile.eye);
   const double near = *tile.near, left = near / -lowerLeft.z(), right = near / -upperRight.z();

@@ -12,6 +12,7 @@ namespace tessera {
 namespace {
 
 constexpr NumberRange kCoordinateRange{-kMaxCameraCoordinate, kMaxCameraCoordinate};
+constexpr NumberRange kHeadRangeM{-1000, 1000};
 
 CameraSpace readSpace(JsonReader& json, const JsonValue& value) {
   const std::string space = json.string(value, "space", 64);
@@ -40,7 +41,8 @@ void checkView(JsonReader& json, const JsonValue& value, const CameraKeyframe& k
 
 CameraKeyframe readKeyframe(JsonReader& json, const JsonValue& value) {
   CameraKeyframe keyframe;
-  if (!json.object(value, "keyframe", {"time_s", "eye", "target", "up", "fov_y_deg"})) return keyframe;
+  if (!json.object(value, "keyframe", {"time_s", "eye", "target", "up", "fov_y_deg", "head_m"}))
+    return keyframe;
   if (const auto time = json.required(value, "keyframe", "time_s")) {
     keyframe.timeS = json.number(*time, "time_s", {-kMaxCameraTimeS, kMaxCameraTimeS});
   }
@@ -54,6 +56,7 @@ CameraKeyframe readKeyframe(JsonReader& json, const JsonValue& value) {
   if (const auto fov = value.find("fov_y_deg")) {
     keyframe.fovYRad = json.number(*fov, "fov_y_deg", {kMinFovYDeg, kMaxFovYDeg}) * (std::numbers::pi / 180);
   }
+  if (const auto head = value.find("head_m")) keyframe.headM = json.vec3(*head, "head_m", kHeadRangeM);
   checkView(json, value, keyframe);
   return keyframe;
 }
@@ -69,13 +72,15 @@ void checkSuccession(JsonReader& json, const JsonValue& value, const CameraKeyfr
                          ")",
                      "put the keyframes in order, at least " + numberText(kMinKeyframeStepS) + " s apart");
   }
-  if (keyframe.fovYRad.has_value() != before.fovYRad.has_value()) {
-    const bool isHere = keyframe.fovYRad.has_value();
-    json.fail(isHere ? value.find("fov_y_deg")->line() : value.line(),
-              std::string("\"fov_y_deg\" is ") + (isHere ? "given, but not in" : "not given, but it is in") +
-                  " the keyframe before",
+  const auto checkAlike = [&](const char* key, bool isHere, bool wasThere) {
+    if (isHere == wasThere) return;
+    json.fail(isHere ? value.find(key)->line() : value.line(),
+              std::string("\"") + key + "\" is " +
+                  (isHere ? "given, but not in" : "not given, but it is in") + " the keyframe before",
               "give it in all keyframes or in none");
-  }
+  };
+  checkAlike("fov_y_deg", keyframe.fovYRad.has_value(), before.fovYRad.has_value());
+  checkAlike("head_m", keyframe.headM.has_value(), before.headM.has_value());
 }
 
 std::vector<CameraKeyframe> readKeyframes(JsonReader& json, const JsonValue& value) {

@@ -76,8 +76,13 @@ CameraPose CameraPath::poseAt(double timeS, const Vec3& sceneCenter, double scen
   const std::size_t segment = isBefore ? 0 : static_cast<std::size_t>(next - keyframes_.begin()) - 1;
   const CameraKeyframe& start = keyframes_[segment];
   const bool isHeld = isBefore || next == keyframes_.end() || start.timeS == timeS;
-  const CameraPose pose =
-      isHeld ? CameraPose{start.eye, start.target, start.up, start.fovYRad} : interpolated(segment, timeS);
+  const CameraPose pose = isHeld ? CameraPose{start.eye,
+                                              start.target,
+                                              start.up,
+                                              start.fovYRad,
+                                              start.headM.has_value(),
+                                              start.headM.value_or(Vec3::Zero())}
+                                 : interpolated(segment, timeS);
   return space_ == CameraSpace::Scene ? placedInScene(pose, sceneCenter, sceneRadius) : pose;
 }
 
@@ -89,6 +94,10 @@ CameraPose CameraPath::interpolated(std::size_t segment, double timeS) const {
   if (keyframes_[segment].fovYRad) {
     const double fovYRad = curve([](const CameraKeyframe& keyframe) { return *keyframe.fovYRad; });
     pose.fovYRad = std::clamp(fovYRad, kMinFovYDeg * kRadiansPerDeg, kMaxFovYDeg * kRadiansPerDeg);
+  }
+  if (keyframes_[segment].headM) {
+    pose.hasHead = true;
+    pose.headM = curve([](const CameraKeyframe& keyframe) { return *keyframe.headM; });
   }
 
   // The curves of eye and target may meet, and the view may come to lie along up: there the nearer keyframe

@@ -33,13 +33,14 @@ struct CameraKeyframe {
   Vec3 target = Vec3(0, 0, -1);
   Vec3 up = Vec3(0, 1, 0);
   std::optional<double> fovYRad = {};  ///< on all keyframes of a path or on none
+  std::optional<Vec3> headM = {};      ///< an observer's place in the room; likewise
 };
 
-/// A camera's flight through keyframes. Eye, target, up and field of view each follow a C1 cubic Hermite
-/// curve whose slope at a keyframe is that of the chord between its two neighbours (Catmull-Rom with uneven
-/// times), at the ends of the path that of the outermost chord. A curve may swing out a little beyond its
-/// keyframes, but not by more than the chords are long, however uneven the times. Immutable, hence safe to
-/// share between threads.
+/// A camera's flight through keyframes. Eye, target, up, field of view and head each follow a C1 cubic
+/// Hermite curve whose slope at a keyframe is that of the chord between its two neighbours (Catmull-Rom with
+/// uneven times), at the ends of the path that of the outermost chord. A curve may swing out a little beyond
+/// its keyframes, but not by more than the chords are long, however uneven the times. Immutable, hence safe
+/// to share between threads.
 class CameraPath {
  public:
   [[nodiscard]] CameraSpace space() const { return space_; }

@@ -10,6 +10,9 @@ namespace tessera {
 
 namespace {
 
+/// More of a word is no choice, whatever it says.
+constexpr std::size_t kMostChoiceBytes = 1024;
+
 std::string_view kindName(JsonKind kind) {
   switch (kind) {
     case JsonKind::Null:
@@ -156,16 +159,38 @@ std::string JsonReader::string(const JsonValue& value, std::string_view label, s
   return std::string(value.string());
 }
 
-Vec3 JsonReader::vec3(const JsonValue& value, std::string_view label, NumberRange range) {
-  if (!array(value, label)) return Vec3::Zero();
+std::vector<double> JsonReader::numbers(const JsonValue& value, std::string_view label, std::size_t count,
+                                        NumberRange range) {
+  std::vector<double> all(count, 0.0);
+  if (!array(value, label)) return all;
   const std::vector<JsonValue> elements = value.children();
-  if (elements.size() != 3) {
-    fail(value.line(),
-         quoted(label) + " must be an array of 3 numbers, not of " + std::to_string(elements.size()));
-    return Vec3::Zero();
+  if (elements.size() != count) {
+    fail(value.line(), quoted(label) + " must be an array of " + std::to_string(count) + " numbers, not of " +
+                           std::to_string(elements.size()));
+    return all;
   }
-  return {number(elements[0], label, range), number(elements[1], label, range),
-          number(elements[2], label, range)};
+  for (std::size_t i = 0; i < count; ++i)
+    all[i] = number(elements[i], label, range);
+  return all;
+}
+
+std::size_t JsonReader::choice(const JsonValue& value, std::string_view label,
+                               std::initializer_list<std::string_view> words) {
+  constexpr std::size_t kLongestWordBytes = 64;
+  const std::string word = excerpt(string(value, label, kMostChoiceBytes), kLongestWordBytes);
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+  std::string all;
+  for (const std::string_view known : words)
+    all += (all.empty() ? "" : ", ") + std::string(known);
+  fail(value.line(), quoted(label) + " cannot be " + quoted(word),
+       "did you mean " + quoted(nearestWord(word, words)) + "? It is one of: " + all);
+  return 0;
+}
+
+Vec3 JsonReader::vec3(const JsonValue& value, std::string_view label, NumberRange range) {
+  const std::vector<double> v = numbers(value, label, 3, range);
+  return {v[0], v[1], v[2]};
 }
 
 }  // namespace tessera

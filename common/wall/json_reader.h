@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/geometry/vec.h"
@@ -43,6 +44,12 @@ class JsonReader {
   /// A whole number; 3.0 is one.
   int integer(const JsonValue& value, std::string_view label, NumberRange range);
   std::string string(const JsonValue& value, std::string_view label, std::size_t longestBytes);
+  /// An array of `count` numbers; as many zeros where it is none.
+  std::vector<double> numbers(const JsonValue& value, std::string_view label, std::size_t count,
+                              NumberRange range);
+  /// One of the words, as its place among them; another word is told with the nearest of them.
+  std::size_t choice(const JsonValue& value, std::string_view label,
+                     std::initializer_list<std::string_view> words);
   /// An array of three numbers.
   Vec3 vec3(const JsonValue& value, std::string_view label, NumberRange range);
 

@@ -13,7 +13,9 @@ namespace tessera {
 /// Limits of a wall file; configs/wall.schema.json states the same.
 inline constexpr std::uintmax_t kMaxWallFileBytes = std::uintmax_t{1} << 20;
 inline constexpr int kMaxGridSide = 256;  ///< columns, rows
-inline constexpr int kMaxTiles = 4096;    ///< columns * rows
+inline constexpr int kMaxTiles = 4096;    ///< of a wall
+inline constexpr int kMaxScreens = 256;
+inline constexpr double kMaxRoomM = 1e6;  ///< any coordinate in the room
 inline constexpr int kMaxTilePx = 16384;  ///< each side of a tile
 inline constexpr int kMaxWallPx = 65535;  ///< each side of the whole wall
 inline constexpr int kMaxTileNameBytes = 64;

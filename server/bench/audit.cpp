@@ -48,7 +48,6 @@ Audit::Audit(const Scene& scene, std::size_t candidates)
 void Audit::findCandidates(const Frustum& tile) {
   const Sides sides(tile);
   const auto count = static_cast<std::uint32_t>(scene_->leaves.size());
-  meets_.assign(count, Meets::CertainlyNot);
   for (std::uint32_t block = 0; block < blocks_.size(); ++block) {
     if (!sides.mayMeet(blocks_[block])) continue;
     const std::uint32_t first = block * kBlockLeaves, end = std::min(count, first + kBlockLeaves);
@@ -58,7 +57,7 @@ void Audit::findCandidates(const Frustum& tile) {
   }
 }
 
-Status Audit::decide(ExactFrustum& exact) {
+Status Audit::decide(std::span<ExactFrustum> seen) {
   meeting_ = 0;
   for (std::uint32_t leaf = 0; leaf < meets_.size(); ++leaf) {
     if (meets_[leaf] != Meets::Open) continue;
@@ -68,8 +67,10 @@ Status Audit::decide(ExactFrustum& exact) {
     }
     const auto triangles = triangles_.of(leaf);
     if (!triangles) return triangles.error();
-    const bool meets = std::any_of(triangles->begin(), triangles->end(),
-                                   [&exact](const auto& triangle) { return exact.meets(triangle); });
+    const bool meets = std::any_of(seen.begin(), seen.end(), [&triangles](ExactFrustum& exact) {
+      return std::any_of(triangles->begin(), triangles->end(),
+                         [&exact](const auto& triangle) { return exact.meets(triangle); });
+    });
     meets_[leaf] = meets ? Meets::Yes : Meets::No;
     meeting_ += meets ? 1 : 0;
   }
@@ -95,13 +96,24 @@ void Audit::judge(const VisibleList& list, Verdict& verdict, std::uint64_t frame
 Status Audit::add(std::uint64_t frame, const WallView& view,
                   std::span<const std::vector<VisibleList>* const> lists) {
   for (std::size_t tile = 0; tile < view.tiles.size(); ++tile) {
-    findCandidates(view.tiles[tile]);
+    std::vector<ExactFrustum> seen;
+    meets_.assign(scene_->leaves.size(), Meets::CertainlyNot);
+    const auto add = [&](const Frustum& frustum) {
+      findCandidates(frustum);
+      seen.emplace_back(frustum);
+    };
+    if (view.left.empty()) {
+      add(view.tiles[tile]);
+    } else {
+      add(view.left[tile]);
+      add(view.right[tile]);
+    }
     // A listed leaf is judged by its triangles even where its box is certainly outside.
     for (const auto* candidate : lists)
       forEachLeaf((*candidate)[tile], [this](std::uint32_t leaf) { meets_[leaf] = Meets::Open; });
-    ExactFrustum exact(view.tiles[tile]);
-    if (Status status = decide(exact); !status) return status;
-    exactDecisions_ += exact.exactDecisions();
+    if (Status status = decide(seen); !status) return status;
+    for (const ExactFrustum& exact : seen)
+      exactDecisions_ += exact.exactDecisions();
     for (std::size_t i = 0; i < lists.size(); ++i)
       judge((*lists[i])[tile], verdicts_[i], frame, tile);
   }

@@ -33,7 +33,8 @@ class Audit {
   /// The scene must outlive this, and its bounds must stay as they are.
   explicit Audit(const Scene& scene, std::size_t candidates = 1);
 
-  /// `lists`: of each candidate, its lists by tile.
+  /// `lists`: of each candidate, its lists by tile. In stereo a leaf that meets a tile by either eye must be
+  /// listed.
   [[nodiscard]] Status add(std::uint64_t frame, const WallView& view,
                            std::span<const std::vector<VisibleList>* const> lists);
   /// Of a single candidate.
@@ -52,7 +53,7 @@ class Audit {
   enum class Meets : std::uint8_t { CertainlyNot, Open, No, Yes, Billboard };
 
   void findCandidates(const Frustum& tile);
-  Status decide(ExactFrustum& exact);
+  Status decide(std::span<ExactFrustum> seen);
   void judge(const VisibleList& list, Verdict& verdict, std::uint64_t frame, std::size_t tile) const;
 
   const Scene* scene_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "common/hierarchy/grid_frusta.h"
 #include "server/bench/candidates.h"
 #include "server/bench/list_checks.h"
 
@@ -62,16 +61,16 @@ Result<Json> cullTable(const Scene& scene, const Wall& wall, const CameraPath& p
   if (!made) return made.error();
   CandidateSet& set = **made;
   const Walk walk(wall, path, scene.sphere(), options.frames);
-  GridFrusta frusta(static_cast<std::uint16_t>(wall.columns), static_cast<std::uint16_t>(wall.rows));
+  WallFrusta frusta(wall);
   InterleavedCull interleaved(set.candidates());
   ListChecks checks(scene, set, interleaved);
   const std::uint64_t frames =
       options.firstFrames == 0 ? walk.frames() : std::min(options.firstFrames, walk.frames());
   for (std::uint64_t frame = 0; frame < frames; ++frame) {
     const WallView view = walk.view(frame);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view);
     set.setView(view);
-    interleaved.frame(frusta);
+    interleaved.frame(frusta.get());
     if (isTaken(frame, frames, kComparedFrames)) {
       if (Status status = checks.compare(frame); !status) return status.error();
     }

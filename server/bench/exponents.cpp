@@ -27,7 +27,8 @@ Result<std::vector<InterleavedCull::Candidate>> methodsOn(const Scene& scene) {
 }
 
 GridFrusta frustaFor(const Wall& wall) {
-  return {static_cast<std::uint16_t>(wall.columns), static_cast<std::uint16_t>(wall.rows)};
+  return {static_cast<std::uint16_t>(wall.screens[0].columns),
+          static_cast<std::uint16_t>(wall.screens[0].rows)};
 }
 
 /// Points of one method, in the order of the sizes.
@@ -79,7 +80,7 @@ Result<Json> tileExponents(const Scene& scene, const CameraPath& path, std::uint
   for (std::uint64_t frame = 0; frame < frames; ++frame) {
     for (std::size_t i = 0; i < walks.size(); ++i) {
       const WallView view = walks[i].view(frame);
-      frusta[i].update(view.wall, view.tiles);
+      frusta[i].update(view.screens[0], view.tiles);
     }
     for (const std::size_t at : interleaved.shuffled())
       interleaved.run(at, frusta[at / methods->size()]);
@@ -111,11 +112,11 @@ Result<Json> objectExponents(PaperScenes& scenes, const Wall& wall, const Camera
     if (!methods) return methods.error();
     InterleavedCull interleaved(*methods);
     const Walk walk(wall, path, scene->sphere(), frames);
-    GridFrusta frusta = frustaFor(wall);
+    WallFrusta frusta(wall);
     for (std::uint64_t frame = 0; frame < frames; ++frame) {
       const WallView view = walk.view(frame);
-      frusta.update(view.wall, view.tiles);
-      interleaved.frame(frusta);
+      frusta.update(view);
+      interleaved.frame(frusta.get());
     }
     leaves.push_back(static_cast<double>(count));
     spreads.resize(methods->size());

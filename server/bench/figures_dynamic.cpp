@@ -63,7 +63,7 @@ Result<Json> dynamicFigure(PaperScenes& scenes) {
     GridFrusta frusta(4, 4);
     for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
       const WallView view = walk.view(frame);
-      frusta.update(view.wall, view.tiles);
+      frusta.update(view.screens[0], view.tiles);
       for (MovingScene& way : ways) {
         auto start = Clock::now();
         for (std::uint32_t leaf = 0; leaf < leafCount; ++leaf) {
@@ -169,7 +169,7 @@ Result<Json> millionFigure(PaperScenes& scenes) {
         static_cast<void>(way.refit.refit());
         refitUs.add(usSince(start));
         const WallView view = walk.view(frame);
-        frusta.update(view.wall, view.tiles);
+        frusta.update(view.screens[0], view.tiles);
         start = Clock::now();
         way.pairs.add(static_cast<double>(way.culler.cull(frusta).pairs));
         way.cullUs.add(usSince(start));
@@ -200,7 +200,7 @@ Result<Json> regroupFigure(PaperScenes& scenes) {
       GridFrusta frusta(static_cast<std::uint16_t>(size), static_cast<std::uint16_t>(size));
       for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
         const WallView view = walk.view(frame);
-        frusta.update(view.wall, view.tiles);
+        frusta.update(view.screens[0], view.tiles);
         interleaved.frame(frusta);
       }
       Json point = {{"wall", wall.source}, {"branching", branching}, {"methods", Json::array()}};
@@ -235,7 +235,7 @@ Json boundCost(const char* name, const ObjectHierarchy& oh, const Walk& walk, Ge
   GridFrusta frusta(1, 1);
   for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
     const WallView view = walk.view(frame);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view.screens[0], view.tiles);
     const auto bounded = [&] {
       return timeOf<Relative>(oh, frusta, get, [](const auto& b, const auto& p) { return classify(b, p); });
     };

@@ -14,13 +14,14 @@ using cull::Algorithm;
 using cull::BoundsKind;
 
 GridFrusta frustaFor(const Wall& wall) {
-  return {static_cast<std::uint16_t>(wall.columns), static_cast<std::uint16_t>(wall.rows)};
+  return {static_cast<std::uint16_t>(wall.screens[0].columns),
+          static_cast<std::uint16_t>(wall.screens[0].rows)};
 }
 
 void follow(const Walk& walk, GridFrusta& frusta, InterleavedCull& interleaved) {
   for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
     const WallView view = walk.view(frame);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view.screens[0], view.tiles);
     interleaved.frame(frusta);
   }
 }
@@ -85,7 +86,7 @@ Result<Json> tilesFigure(PaperScenes& scenes) {
     auto tiles = frusta.begin();
     for (std::size_t i = 0; i < candidates.size(); ++i, ++walk, ++tiles) {
       const WallView view = walk->view(frame);
-      tiles->update(view.wall, view.tiles);
+      tiles->update(view.screens[0], view.tiles);
       interleaved.run(i, *tiles);
     }
   }
@@ -119,7 +120,7 @@ Result<Json> mtplFigure(PaperScenes& scenes) {
     std::vector<VisibleList> lists;
     for (std::uint64_t frame = 0; frame < walk.frames(); ++frame) {
       const WallView view = walk.view(frame);
-      frusta.update(view.wall, view.tiles);
+      frusta.update(view.screens[0], view.tiles);
       double sum = 0;
       interleaved.run(0, frusta);
       interleaved.listsOf(0, lists);

@@ -67,7 +67,7 @@ class Race {
     InterleavedCull interleaved((*set)->candidates());
     for (std::uint64_t frame = 0; frame < course.frames(); ++frame) {
       const WallView view = walk.view(frame);
-      frusta.update(view.wall, view.tiles);
+      frusta.update(view.screens[0], view.tiles);
       (*set)->setView(view);
       interleaved.frame(frusta);
     }
@@ -123,7 +123,7 @@ TargetFigure boundExcess(const Scene& scene, const Course& course) {
   std::uint64_t with = 0, without = 0;
   for (std::uint64_t frame = 0; frame < course.frames(); ++frame) {
     const WallView view = walk.view(frame);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view.screens[0], view.tiles);
     for (std::uint32_t leaf = 0; leaf < scene.leaves.size(); ++leaf) {
       const RelativeObb box(scene.hierarchy.obb(scene.hierarchy.nodeOfLeaf(leaf)), frusta.eye());
       for (std::uint32_t tile = 0; tile < frusta.tileCount(); ++tile) {
@@ -160,7 +160,7 @@ TargetFigure deltaOverEntropy(const Scene& scene, const Course& course) {
   std::uint64_t bytes = 0;
   for (std::uint64_t frame = 0; frame < course.frames(); ++frame) {
     const WallView view = walk.view(frame);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view.screens[0], view.tiles);
     const cull::Changes& changes = culler.cullChanges(frusta);
     if (frame == 0) continue;
     for (const VisibleList& toggled : changes.toggled) {
@@ -203,7 +203,7 @@ Result<TargetFigures> refitFigures(const Scene& scene, const Course& course, boo
     static_cast<void>(refit.refit());
     refitUs.add(usSince(start));
     const WallView view = walk.view(frame);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view.screens[0], view.tiles);
     start = Clock::now();
     static_cast<void>(stillCuller.cull(frusta));
     stillUs.add(usSince(start));

@@ -6,28 +6,12 @@
 
 #include <Eigen/Geometry>
 
+#include "common/wall/frustum_groups.h"
+
 namespace tessera::bench {
 
 Wall gridWall(int columns, int rows) {
-  Wall wall;
-  wall.source = std::to_string(columns) + "x" + std::to_string(rows);
-  wall.columns = columns;
-  wall.rows = rows;
-  wall.tileWidthPx = 480;
-  wall.tileHeightPx = 270;
-  wall.fovYRad = 50 * std::numbers::pi / 180;
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      wall.tiles.push_back({.name = "r" + std::to_string(row) + "c" + std::to_string(column),
-                            .column = column,
-                            .row = row,
-                            .xPx = column * wall.tileWidthPx,
-                            .yPx = row * wall.tileHeightPx,
-                            .widthPx = wall.tileWidthPx,
-                            .heightPx = wall.tileHeightPx});
-    }
-  }
-  return wall;
+  return tessera::gridWall(columns, rows, 480, 270, 50 * std::numbers::pi / 180);
 }
 
 Walk::Step Walk::step() const {
@@ -45,6 +29,30 @@ Walk::Step Walk::step() const {
     return values[values.size() / 2];
   };
   return {median(degrees), median(radii)};
+}
+
+WallFrusta::WallFrusta(const Wall& wall) {
+  const std::vector<FrustumGroup> groups = frustumGroups(wall);
+  const FrustumGroup& first = groups.front();
+  if (groups.size() > 1 || first.columns == 0) return;
+  grid_.emplace(static_cast<std::uint16_t>(first.columns), static_cast<std::uint16_t>(first.rows),
+                PlaneSource::Corners,
+                first.touch ? GridFrusta::Neighbours::Touch : GridFrusta::Neighbours::GapOrOverlap);
+}
+
+void WallFrusta::update(const WallView& view) {
+  if (grid_) {
+    grid_->updateGrid(view.lattices[0], view.tiles);
+    grid_->updatePlanes(view.screens[0], view.tiles);
+  } else {
+    general_.update(view.tiles);
+  }
+  if (view.left.empty()) return;
+  if (grid_) {
+    grid_->holdEyes(view.left, view.right);
+  } else {
+    general_.holdEyes(view.left, view.right);
+  }
 }
 
 }  // namespace tessera::bench

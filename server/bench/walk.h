@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/geometry/box.h"
+#include "common/hierarchy/general_frusta.h"
+#include "common/hierarchy/grid_frusta.h"
 #include "common/wall/camera_path.h"
 #include "common/wall/wall.h"
 
@@ -38,6 +41,20 @@ class Walk {
   const CameraPath* path_;
   Sphere scene_;
   std::vector<double> times_;
+};
+
+/// One frustum hierarchy over a whole wall: that of a grid where it is one even grid, else a general one.
+class WallFrusta {
+ public:
+  explicit WallFrusta(const Wall& wall);
+  void update(const WallView& view);
+  [[nodiscard]] const FrustumHierarchy& get() const {
+    return grid_ ? static_cast<const FrustumHierarchy&>(*grid_) : general_;
+  }
+
+ private:
+  std::optional<GridFrusta> grid_;
+  GeneralFrusta general_;
 };
 
 }  // namespace tessera::bench

@@ -3,6 +3,7 @@
 
 #include "common/base/file.h"
 #include "common/wall/wall_svg.h"
+#include "common/wall/wall_writer.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
 
@@ -13,13 +14,17 @@ namespace {
 struct CheckFlags {
   InputFiles files;
   std::string svg;
+  bool printsConfig = false;
 };
 
 Status check(const CheckFlags& flags) {
   const auto wall = flags.files.readWall();
   if (!wall) return wall.error();
-  std::printf("wall:   %d x %d tiles of %d x %d pixels, %d x %d in all\n", wall->columns, wall->rows,
-              wall->tileWidthPx, wall->tileHeightPx, wall->widthPx(), wall->heightPx());
+  if (flags.printsConfig) {
+    std::fputs(writeWall(*wall).c_str(), stdout);
+    return Done{};
+  }
+  std::printf("wall:   %s\n", summaryOf(*wall).c_str());
   if (!flags.svg.empty()) {
     if (Status status = writeFileAtomically(flags.svg, wallSvg(*wall)); !status) return status;
     std::printf("drawn:  %s\n", flags.svg.c_str());
@@ -49,6 +54,8 @@ void addCheckCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addUp(*app);
   app->add_option("--camera", flags->files.camera, "Camera path to check as well");
   app->add_option("--svg", flags->svg, "Draw the wall into this file");
+  app->add_flag("--print-config", flags->printsConfig,
+                "Print the wall file as it is understood, with every default and every flag, and do no more");
   commands.push_back({app, [flags] { return check(*flags); }});
 }
 

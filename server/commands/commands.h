@@ -20,6 +20,7 @@ void addServeCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addCheckCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addCullCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addBenchCommands(CLI::App& tessera, std::vector<Command>& commands);
+void addWallCommands(CLI::App& tessera, std::vector<Command>& commands);
 void addSceneCommands(CLI::App& tessera, std::vector<Command>& commands);
 
 }  // namespace tessera

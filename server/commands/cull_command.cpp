@@ -7,12 +7,12 @@
 
 #include "common/base/file.h"
 #include "common/cull/footprint/kernels.h"
-#include "common/hierarchy/grid_frusta.h"
 #include "server/bench/audit.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
 #include "server/commands/visible_lists_file.h"
 #include "server/master/run_report.h"
+#include "server/master/wall_culler.h"
 
 namespace tessera {
 
@@ -115,9 +115,7 @@ Status cullScene(const CullCommandFlags& flags) {
     lists.emplace();
     if (Status status = lists->open(flags.lists, *scene, *wall); !status) return status;
   }
-  GridFrusta frusta(static_cast<std::uint16_t>(wall->columns), static_cast<std::uint16_t>(wall->rows),
-                    flags.cull.planeSource());
-  cull::Culler culler(scene->hierarchy, *options);
+  WallCuller culler(scene->hierarchy, *wall, *options, flags.cull.planeSource());
   Measured measured;
   if (flags.audit) measured.audit.emplace(*scene);
   const Sphere& sphere = scene->sphere();
@@ -126,11 +124,10 @@ Status cullScene(const CullCommandFlags& flags) {
     const WallView view =
         viewOf(*wall, camera->poseAt(time, sphere.center, sphere.radius), sphere.center, sphere.radius);
     auto start = std::chrono::steady_clock::now();
-    frusta.updateGrid(view.wall, view.tiles);
-    if (culler.readsPlanes(frusta)) frusta.updatePlanes(view.wall, view.tiles);
+    culler.update(view);
     measured.frustaUs.add(usSince(start));
     start = std::chrono::steady_clock::now();
-    const cull::Result& result = culler.cull(frusta);
+    const cull::Result& result = culler.cull();
     measured.cullUs.add(usSince(start));
     measured.add(result);
     measured.picked = cull::nameOf(culler.picked());

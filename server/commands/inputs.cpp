@@ -1,6 +1,7 @@
 #include "server/commands/inputs.h"
 
 #include <array>
+#include <numbers>
 
 #include <spdlog/spdlog.h>
 
@@ -14,6 +15,24 @@ void InputFiles::addWall(CLI::App& app) {
   app.add_option("--wall", wall, "Wall file (JSON, see configs/wall.schema.json)")
       ->required()
       ->envname("TESSERA_WALL");
+  app.add_option("--fov", fovYDeg, "Vertical field of view in degrees, instead of the wall file's")
+      ->check(CLI::Range(kMinFovYDeg, kMaxFovYDeg))
+      ->envname("TESSERA_FOV");
+  app.add_option("--near", near, "Distance of the near clip plane, instead of the wall file's")
+      ->check(CLI::Range(1e-9, 1e15))
+      ->envname("TESSERA_NEAR");
+  app.add_option("--far", far, "Distance of the far clip plane, instead of the wall file's")
+      ->check(CLI::Range(1e-9, 1e15))
+      ->envname("TESSERA_FAR");
+  app.add_option("--eye", eyeM,
+                 "Where the observer stands in the room, x,y,z in metres, instead of the wall file's")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(-kMaxRoomM, kMaxRoomM))
+      ->envname("TESSERA_EYE");
+  app.add_option("--scale", scale, "Lengths of the scene for a metre of the room, instead of the wall file's")
+      ->check(CLI::Range(1e-9, 1e9))
+      ->envname("TESSERA_SCALE");
 }
 
 void InputFiles::addScene(CLI::App& app) {
@@ -51,9 +70,32 @@ void InputFiles::addCamera(CLI::App& app) {
       ->envname("TESSERA_CAMERA");
 }
 
+Status InputFiles::override(Wall& read) const {
+  if (fovYDeg && read.observer)
+    return inputError("--fov", "with an observer the field of view follows from where the eye stands",
+                      "move the eye: --eye x,y,z");
+  if (fovYDeg) read.fovYRad = *fovYDeg * (std::numbers::pi / 180);
+  if (near) read.near = *near;
+  if (far) read.far = *far;
+  if (read.near && read.far && !(*read.near < *read.far))
+    return inputError("--near", "the near clip plane is not before the far one", "choose other distances");
+  if ((!eyeM.empty() || scale) && !read.observer)
+    return inputError(eyeM.empty() ? "--scale" : "--eye", "the wall has no observer",
+                      "add \"observer\": {\"eye_m\": [x, y, z]} to " + wall);
+  if (scale) read.observer->scale = *scale;
+  if (eyeM.empty()) return Done{};
+  read.observer->eyeM = Vec3(eyeM[0], eyeM[1], eyeM[2]);
+  if (const auto screen = screenNotBefore(read, read.observer->eyeM))
+    return inputError(
+        "--eye", "the eye lies in the plane of screen \"" + read.screens[*screen].name + "\" or behind it",
+        "stand before every screen");
+  return Done{};
+}
+
 Result<Wall> InputFiles::readWall() const {
   auto read = readWallFile(wall);
   if (read) {
+    if (Status status = override(*read); !status) return status.error();
     for (const std::string& warning : read->warnings)
       spdlog::warn("{}: {}", wall, warning);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -18,6 +19,9 @@ namespace tessera {
 /// The files that most commands take.
 struct InputFiles {
   std::string wall, scene, camera, up = "auto", hierarchy = "graph";
+  /// Instead of the wall file's own.
+  std::optional<double> fovYDeg, near, far, scale;
+  std::vector<double> eyeM;
   std::uint64_t maxTrianglesPerLeaf = 0;
 
   void addWall(CLI::App& app);
@@ -28,6 +32,8 @@ struct InputFiles {
   void addCamera(CLI::App& app);
 
   [[nodiscard]] UpAxis upAxis() const;
+  /// The flags over the file.
+  [[nodiscard]] Status override(Wall& read) const;
   /// Reads and logs the warnings.
   [[nodiscard]] Result<Wall> readWall() const;
   [[nodiscard]] Result<Scene> readScene() const;

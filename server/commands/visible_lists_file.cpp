@@ -43,6 +43,20 @@ void appendFrustum(std::string& out, const Frustum& frustum) {
   appendDistance(",\"far\":", frustum.far);
 }
 
+void appendList(std::string& out, const VisibleList& list) {
+  out += ",\"visible\":[";
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const LeafRange range = list[i];
+    if (i > 0) out += ',';
+    out += "[" + std::to_string(range.first) + "," + std::to_string(range.last) + "]";
+  }
+  out += "]}";
+}
+
+std::string withSuffix(const std::string& quoted, const char* suffix) {
+  return quoted.substr(0, quoted.size() - 1) + suffix + '"';
+}
+
 }  // namespace
 
 Status VisibleListsFile::open(const std::filesystem::path& path, const Scene& scene, const Wall& wall) {
@@ -52,8 +66,15 @@ Status VisibleListsFile::open(const std::filesystem::path& path, const Scene& sc
   out_.open(partial_, std::ios::binary | std::ios::trunc);
   if (!out_) return inputError(path.string(), "cannot be created", "check the folder of --lists");
   nlohmann::ordered_json names = nlohmann::ordered_json::array();
+  tiles_ = wall.tiles;
+  const bool isStereo = wall.observer && wall.observer->stereo != Stereo::None;
   for (const Tile& tile : wall.tiles) {
-    names.push_back(tile.name);
+    if (isStereo && tile.eye == TileEye::Both) {
+      names.push_back(tile.name + ".left");
+      names.push_back(tile.name + ".right");
+    } else {
+      names.push_back(tile.name);
+    }
     quotedNames_.push_back(nlohmann::json(tile.name).dump());
   }
   graphLeaves_.clear();
@@ -76,16 +97,25 @@ void VisibleListsFile::add(std::uint64_t frame, const WallView& view, const cull
   line_ = "{\"frame\":" + std::to_string(frame) + ",\"tiles\":{";
   for (std::size_t tile = 0; tile < quotedNames_.size(); ++tile) {
     if (tile > 0) line_ += ',';
-    line_ += quotedNames_[tile] + ":{";
-    appendFrustum(line_, view.tiles[tile]);
-    line_ += ",\"visible\":[";
     const VisibleList& list = inGraphOrder(lists.lists[tile]);
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      const LeafRange range = list[i];
-      if (i > 0) line_ += ',';
-      line_ += "[" + std::to_string(range.first) + "," + std::to_string(range.last) + "]";
+    const auto add = [&](const std::string& quotedName, const Frustum& frustum) {
+      line_ += quotedName + ":{";
+      appendFrustum(line_, drawnFrustum(tiles_[tile], frustum));
+      appendList(line_, list);
+    };
+    if (view.left.empty()) {
+      add(quotedNames_[tile], view.tiles[tile]);
+      continue;
     }
-    line_ += "]}";
+    // Of a tile for both eyes: each has a frustum, and they share a list.
+    const TileEye eye = tiles_[tile].eye;
+    if (eye == TileEye::Both) {
+      add(withSuffix(quotedNames_[tile], ".left"), view.left[tile]);
+      line_ += ',';
+      add(withSuffix(quotedNames_[tile], ".right"), view.right[tile]);
+    } else {
+      add(quotedNames_[tile], eye == TileEye::Left ? view.left[tile] : view.right[tile]);
+    }
   }
   line_ += "}}\n";
   out_ << line_;

@@ -29,6 +29,7 @@ class VisibleListsFile {
  private:
   std::filesystem::path path_, partial_;
   std::ofstream out_;
+  std::vector<Tile> tiles_;
   std::vector<std::string> quotedNames_;
   std::string line_;
   [[nodiscard]] const VisibleList& inGraphOrder(const VisibleList& list);

@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include "common/base/host.h"
-#include "common/hierarchy/grid_frusta.h"
 #include "proto/codec.h"
 
 namespace tessera {
@@ -124,9 +123,7 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
     return status.error();
   }
   reserveReport();
-  GridFrusta frusta(static_cast<std::uint16_t>(wall_.columns), static_cast<std::uint16_t>(wall_.rows),
-                    options_.planeSource);
-  cull::Culler culler(scene_.hierarchy, options_.cull);
+  WallCuller culler(scene_.hierarchy, wall_, options_.cull, options_.planeSource);
   const Sphere& sphere = scene_.sphere();
   firstFrame_ = lastPaced_ = lastSwap_ = Clock::now();
   std::uint64_t frame = 0;
@@ -137,11 +134,10 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
     const std::int64_t startCpuNs = threadCpuNs();
     auto start = Clock::now();
     viewInto(wall_, poseOf(next), sphere.center, sphere.radius, view);
-    frusta.updateGrid(view.wall, view.tiles);
-    if (culler.readsPlanes(frusta)) frusta.updatePlanes(view.wall, view.tiles);
+    culler.update(view);
     report_.updateMs.add(msSince(start));
     start = Clock::now();
-    const cull::Changes& changes = culler.cullChanges(frusta);
+    const cull::Changes& changes = culler.cullChanges();
     report_.cullMs.add(msSince(start));
     if (frame > 0) endFrame(frame);
     frame = next;
@@ -184,7 +180,7 @@ void Master::reserveReport() {
   roster_.keepLast(kEndlessSamples);
 }
 
-void Master::sendFrame(std::uint64_t frame, const WallView& view, const cull::Culler& culler,
+void Master::sendFrame(std::uint64_t frame, const WallView& view, const WallCuller& culler,
                        const cull::Changes& changes) {
   std::uint64_t listBytes = 0, geometryBytes = 0;
   const auto start = Clock::now();
@@ -209,14 +205,14 @@ void Master::sendFrame(std::uint64_t frame, const WallView& view, const cull::Cu
 }
 
 TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer, std::uint64_t frame,
-                                const WallView& view, const cull::Culler& culler,
+                                const WallView& view, const WallCuller& culler,
                                 const cull::Changes& changes) {
   TileMirror& mirror = mirrors_[tile];
   mirror.follow(peer.session);
   mirror.acknowledge(peer.acknowledged);
   TileMirror::FrameOrder order{.frame = frame,
-                               .view = &view,
-                               .frustum = &view.tiles[tile],
+                               .frustum = drawnFrustum(wall_.tiles[tile], eyeOf(tile, view)),
+                               .axes = drawnAxes(wall_.tiles[tile], view.axes[wall_.tiles[tile].screen]),
                                .toggled = &changes.toggled[tile],
                                .baseFrame = frame - 1,
                                .leafCount = changes.leafCounts[tile],
@@ -229,7 +225,7 @@ TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer
   return mirror.send(*peer.connection, encoder_, order);
 }
 
-std::uint64_t Master::countTriangles(const cull::Culler& culler) {
+std::uint64_t Master::countTriangles(const WallCuller& culler) {
   std::uint64_t triangles = 0;
   for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
     culler.listOf(tile, wholeList_);
@@ -237,6 +233,12 @@ std::uint64_t Master::countTriangles(const cull::Culler& culler) {
       triangles += trianglesBefore_[range.last] - trianglesBefore_[range.first];
   }
   return triangles;
+}
+
+/// The frustum that the tile draws, or draws first.
+const Frustum& Master::eyeOf(std::uint32_t tile, const WallView& view) const {
+  if (view.left.empty()) return view.tiles[tile];
+  return wall_.tiles[tile].eye == TileEye::Right ? view.right[tile] : view.left[tile];
 }
 
 void Master::endFrame(std::uint64_t frame) {

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "common/base/result.h"
-#include "common/cull/culler.h"
+#include "common/cull/options.h"
 #include "common/hierarchy/tile_cone.h"
 #include "common/net/connection.h"
 #include "common/net/one_post.h"
@@ -23,6 +23,7 @@
 #include "server/master/tile_mirror.h"
 #include "server/master/tile_roster.h"
 #include "server/master/tile_session.h"
+#include "server/master/wall_culler.h"
 
 namespace tessera {
 
@@ -78,12 +79,13 @@ class Master {
   net::awaitable<void> acceptTiles(net::tcp::acceptor acceptor);
   [[nodiscard]] Status waitForTiles(const Hooks& hooks, bool mayStartWithout);
   void reserveReport();
-  void sendFrame(std::uint64_t frame, const WallView& view, const cull::Culler& culler,
+  void sendFrame(std::uint64_t frame, const WallView& view, const WallCuller& culler,
                  const cull::Changes& changes);
   [[nodiscard]] TileMirror::Sent sendTo(std::uint32_t tile, const TileRoster::Peer& peer, std::uint64_t frame,
-                                        const WallView& view, const cull::Culler& culler,
+                                        const WallView& view, const WallCuller& culler,
                                         const cull::Changes& changes);
-  [[nodiscard]] std::uint64_t countTriangles(const cull::Culler& culler);
+  [[nodiscard]] const Frustum& eyeOf(std::uint32_t tile, const WallView& view) const;
+  [[nodiscard]] std::uint64_t countTriangles(const WallCuller& culler);
   void endFrame(std::uint64_t frame);
   void pace(std::uint64_t frame);
   void broadcastSwap(std::uint64_t frame);

@@ -9,13 +9,14 @@ namespace tessera {
 
 namespace {
 constexpr std::size_t kMaxQueuedPictures = 4;
+/// Larger walls are written smaller.
+constexpr double kMostPicturePixels = 4e8;
 constexpr std::chrono::seconds kDiskDeadline{60};
 }  // namespace
 
 PictureWriter::PictureWriter(const Wall& wall, std::filesystem::path folder, std::uint64_t every)
     : tiles_(wall.tiles),
-      widthPx_(wall.widthPx()),
-      heightPx_(wall.heightPx()),
+      layout_(wallPicture(wall, kMostPicturePixels)),
       folder_(std::move(folder)),
       every_(every) {
   thread_ = std::thread([this] { writeAll(); });
@@ -36,10 +37,12 @@ bool PictureWriter::add(std::uint32_t tile, std::uint64_t frame, const proto::Pi
   if (picture.widthPx != place.widthPx || picture.heightPx != place.heightPx) return false;
   const std::lock_guard lock(mutex_);
   Stitched& stitched = open_[frame];
-  if (stitched.parts == 0) stitched.picture = Picture(widthPx_, heightPx_);
+  if (stitched.parts == 0) stitched.picture = Mosaic(layout_.widthPx, layout_.heightPx, layout_.gamma);
   ++stitched.parts;
-  stitched.picture.paste(place.xPx, place.yPx, place.widthPx, place.heightPx,
-                         {reinterpret_cast<const std::uint8_t*>(picture.bytes.data()), picture.bytes.size()});
+  const PicturePlace& at = layout_.tiles[tile];
+  stitched.picture.add({at.corner.x(), at.corner.y(), at.across.x(), at.across.y(), at.down.x(), at.down.y()},
+                       place.widthPx, place.heightPx,
+                       {reinterpret_cast<const std::uint8_t*>(picture.bytes.data()), picture.bytes.size()});
   return true;
 }
 
@@ -64,11 +67,11 @@ void PictureWriter::writeAll() {
   for (;;) {
     changed_.wait(lock, [this] { return !queue_.empty() || done_; });
     if (queue_.empty()) return;
-    const auto [frame, picture] = std::move(queue_.front());
+    auto [frame, mosaic] = std::move(queue_.front());
     queue_.pop_front();
     changed_.notify_all();
     lock.unlock();
-    Result<std::string> png = encodePng(picture);
+    Result<std::string> png = encodePng(mosaic.finish());
     const Status status = png ? writeFileAtomically(pathOf(frame), *png) : Status(png.error());
     lock.lock();
     if (status) {

@@ -12,15 +12,16 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "common/image/picture.h"
+#include "common/image/mosaic.h"
 #include "common/wall/wall.h"
+#include "common/wall/wall_picture.h"
 #include "proto/messages.h"
 
 namespace tessera {
 
-/// Stitches the tiles' pictures of a frame and writes them as DIR/frame-NNNNNN.png in a thread of its own.
-/// Thread-safe. At most a few frames wait in memory: complete() holds the caller back when the disk is
-/// slower.
+/// Stitches the tiles' pictures of a frame as wallPicture lays them out and writes them as
+/// DIR/frame-NNNNNN.png in a thread of its own. Thread-safe. At most a few frames wait in memory: complete()
+/// holds the caller back when the disk is slower.
 class PictureWriter {
  public:
   /// Of frames 1, 1 + every, 1 + 2 * every, ...
@@ -45,19 +46,19 @@ class PictureWriter {
 
  private:
   struct Stitched {
-    Picture picture;
+    Mosaic picture;
     std::uint32_t parts = 0;
   };
   void writeAll();
 
   const std::vector<Tile> tiles_;
-  const int widthPx_, heightPx_;
+  const WallPicture layout_;
   const std::filesystem::path folder_;
   const std::uint64_t every_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::uint64_t, Stitched> open_;
-  std::deque<std::pair<std::uint64_t, Picture>> queue_;
+  std::deque<std::pair<std::uint64_t, Mosaic>> queue_;
   std::uint64_t written_ = 0, incomplete_ = 0;
   bool done_ = false;
   std::optional<Error> failure_;

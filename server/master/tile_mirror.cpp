@@ -113,12 +113,12 @@ TileMirror::Sent TileMirror::send(net::Connection& connection, proto::Encoder& e
   proto::Frame message;
   message.frame = order.frame;
   message.baseFrame = order.baseFrame;
-  message.eye = order.frustum->eye;
-  message.corners = order.frustum->corners;
-  message.nearM = order.frustum->near.value();
-  message.farM = order.frustum->far.value();
-  message.right = order.view->right;
-  message.up = order.view->up;
+  message.eye = order.frustum.eye;
+  message.corners = order.frustum.corners;
+  message.nearM = order.frustum.near.value();
+  message.farM = order.frustum.far.value();
+  message.right = order.axes.right;
+  message.up = order.axes.up;
   message.toggles = delta_;
   message.listLeafCount = order.leafCount;
   message.wantPicture = order.wantPicture;

@@ -61,8 +61,8 @@ class TileMirror {
 
   struct FrameOrder {
     std::uint64_t frame = 0;
-    const WallView* view = nullptr;
-    const Frustum* frustum = nullptr;  ///< of this tile, near and far given
+    Frustum frustum = {};  ///< drawnFrustum of this tile, near and far given
+    ImageAxes axes = {};   ///< drawnAxes
     /// Leaves that come or go, against the list of `baseFrame` (0: the empty list).
     const VisibleList* toggled = nullptr;
     std::uint64_t baseFrame = 0;

@@ -33,8 +33,8 @@ proto::Welcome welcomeFor(const SessionContext& context, const TileRoster::Bindi
   welcome.heightPx = tile.heightPx;
   welcome.xPx = tile.xPx;
   welcome.yPx = tile.yPx;
-  welcome.wallWidthPx = context.wall.widthPx();
-  welcome.wallHeightPx = context.wall.heightPx();
+  welcome.wallWidthPx = tile.canvasWidthPx;
+  welcome.wallHeightPx = tile.canvasHeightPx;
   welcome.idleTimeoutMs = static_cast<std::uint32_t>(context.deadlines.idle.count());
   welcome.leafCount = context.leafCount;
   welcome.picture = context.pictures ? proto::PictureFormat::RawRgb8 : proto::PictureFormat::None;

@@ -6,19 +6,7 @@
 namespace tessera::test {
 
 Wall gridWall(int columns, int rows, double fovYDeg) {
-  Wall wall;
-  wall.columns = columns;
-  wall.rows = rows;
-  wall.tileWidthPx = 64;
-  wall.tileHeightPx = 48;
-  wall.fovYRad = fovYDeg * std::numbers::pi / 180;
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c) {
-      wall.tiles.push_back(
-          {.name = "r" + std::to_string(r) + "c" + std::to_string(c), .column = c, .row = r});
-    }
-  }
-  return wall;
+  return tessera::gridWall(columns, rows, 64, 48, fovYDeg * std::numbers::pi / 180);
 }
 
 Triangle Geometry::any(const Vec3& center, double size) {

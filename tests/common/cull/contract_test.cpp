@@ -47,7 +47,7 @@ class CullerContract : public ::testing::TestWithParam<Setting> {
       if (s.nearOverFar == 0) frustum.near = std::nullopt;
       if (s.nearOverFar <= 0) frustum.far = std::nullopt;
     };
-    cut(view.wall);
+    cut(view.screens[0]);
     for (Frustum& tile : view.tiles)
       cut(tile);
     return view;
@@ -59,13 +59,13 @@ class CullerContract : public ::testing::TestWithParam<Setting> {
     for (int i = 0; i < s.leaves; ++i)
       scene.leaves.push_back(geometry.hard(view.tiles));
     for (int i = 0; i < s.leaves / 4; ++i)
-      scene.leaves.push_back(geometry.aboutTheEye(view.wall.eye, s.size));
+      scene.leaves.push_back(geometry.aboutTheEye(view.screens[0].eye, s.size));
     scene.build(geometry.engine());
     return scene;
   }
   GridFrusta frustaOf(const WallView& view, PlaneSource source = PlaneSource::Corners) const {
     GridFrusta frusta(static_cast<std::uint16_t>(s.columns), static_cast<std::uint16_t>(s.rows), source);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view.screens[0], view.tiles);
     return frusta;
   }
 };
@@ -155,7 +155,7 @@ TEST_P(CullerContract, HoldsAlongAFlightWithWhatIsRemembered) {
   cull::Culler table(scene.hierarchy,
                      {.algorithm = cull::Algorithm::Table, .switches = {.coherent = cull::Reuse::Never}});
   std::uint64_t remembered = 0;
-  CameraPose pose{.eye = first.wall.eye, .target = {}, .up = Vec3(0, 1, 0), .fovYRad = {}};
+  CameraPose pose{.eye = first.screens[0].eye, .target = {}, .up = Vec3(0, 1, 0), .fovYRad = {}};
   Vec3 forward = geometry.vector(1).normalized();
   for (int frame = 0; frame < 12; ++frame) {
     // First it only moves, then it only turns, then it does both, and at last it jumps.
@@ -165,7 +165,7 @@ TEST_P(CullerContract, HoldsAlongAFlightWithWhatIsRemembered) {
     forward = (forward + turn * Vec3(0.3, 0, 1)).normalized();
     pose.target = pose.eye + s.size * forward;
     WallView view = viewOf(wall, pose, center, 2 * s.size);
-    for (Frustum* frustum : {&view.wall})
+    for (Frustum* frustum : {&view.screens[0]})
       frustum->near = frustum->far = std::nullopt;
     for (Frustum& tile : view.tiles)
       tile.near = tile.far = std::nullopt;
@@ -221,8 +221,9 @@ TEST_P(CullerContract, UnionOverTilesIsTheWallsOwnList) {
   scene.build(geometry.engine());
   const auto listsOf = [&](const Wall& w) {
     const WallView view = viewOf(w, pose, center, 2 * s.size);
-    GridFrusta frusta(static_cast<std::uint16_t>(w.columns), static_cast<std::uint16_t>(w.rows));
-    frusta.update(view.wall, view.tiles);
+    GridFrusta frusta(static_cast<std::uint16_t>(w.screens[0].columns),
+                      static_cast<std::uint16_t>(w.screens[0].rows));
+    frusta.update(view.screens[0], view.tiles);
     cull::Culler culler(scene.hierarchy, {});
     return culler.cull(frusta).lists;
   };

@@ -30,10 +30,10 @@ GridFrusta frustaLookingAhead(std::uint16_t columns, std::uint16_t rows, std::op
   WallView view = viewOf(gridWall(columns, rows, 50),
                          {.eye = Vec3(0, 0, 0), .target = Vec3(0, 0, -1), .up = Vec3(0, 1, 0), .fovYRad = {}},
                          Vec3::Zero(), 60);
-  view.wall.near = near;
-  view.wall.far = far;
+  view.screens[0].near = near;
+  view.screens[0].far = far;
   GridFrusta frusta(columns, rows);
-  frusta.update(view.wall, view.tiles);
+  frusta.update(view.screens[0], view.tiles);
   return frusta;
 }
 

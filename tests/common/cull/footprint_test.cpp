@@ -62,7 +62,7 @@ class Flight {
 
 GridFrusta frustaOf(const WallView& view, int columns, int rows) {
   GridFrusta frusta(static_cast<std::uint16_t>(columns), static_cast<std::uint16_t>(rows));
-  frusta.update(view.wall, view.tiles);
+  frusta.update(view.screens[0], view.tiles);
   return frusta;
 }
 
@@ -85,8 +85,8 @@ double lookedAlongAFlight(const ObjectHierarchy& oh, int columns, int rows, bool
     const double stepDeg = frame < 60 ? 0.003 : frame < 120 ? 0.1 : 4;
     WallView view = flight.next(columns, rows, stepDeg, frame % 60 == 0);
     if (cutsDepth) {
-      view.wall.near = 1.5;
-      view.wall.far = 4;
+      view.screens[0].near = 1.5;
+      view.screens[0].far = 4;
     }
     const GridFrusta frusta = frustaOf(view, columns, rows);
     const std::vector<VisibleList> expected = cullers[0].cull(frusta).lists;
@@ -124,7 +124,7 @@ TEST(Footprints, NodesHoldLeavesThatTouchABorder) {
     for (int group = 0; group < 1500; ++group) {
       const Triangle triangle = geometry.hard(view.tiles);
       // Off the border by about the error of a float.
-      const Vec3 shift = geometry.vector(2e-7 * (triangle[0] - view.wall.eye).norm());
+      const Vec3 shift = geometry.vector(2e-7 * (triangle[0] - view.screens[0].eye).norm());
       const std::array points = {Vec3(triangle[0] + shift)};
       for (std::size_t i = 0; i < cull::kLanes; ++i)
         builder.addLeaf(boundsOf(points, Vec3::Zero()));
@@ -323,7 +323,7 @@ TEST(GridCoordinates, PlacePointsInTheTilesThatSeeThem) {
         viewOf(gridWall(9, 6, 40),
                {.eye = center, .target = center + geometry.vector(10), .up = Vec3(0, 1, 0), .fovYRad = {}},
                center, 20);
-    const auto grid = GridCoordinates::of(view.wall, view.tiles, 9, 6);
+    const auto grid = GridCoordinates::of(view.screens[0], view.tiles, 9, 6);
     ASSERT_TRUE(grid) << offset;
     EXPECT_LT(grid->columnHigh - grid->columnLow, 1.01);
     for (std::size_t t = 0; t < view.tiles.size(); ++t) {
@@ -354,21 +354,21 @@ TEST(GridCoordinates, RefuseWhatIsNoGridSeenTheRightWayRound) {
   WallView view = viewOf(gridWall(3, 2, 40),
                          {.eye = Vec3(0, 0, 5), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
                          Vec3::Zero(), 2);
-  EXPECT_TRUE(GridCoordinates::of(view.wall, view.tiles, 3, 2));
+  EXPECT_TRUE(GridCoordinates::of(view.screens[0], view.tiles, 3, 2));
   WallView mirrored = view;
-  for (Frustum* f : {&mirrored.wall, &mirrored.tiles[0], &mirrored.tiles[1], &mirrored.tiles[2],
+  for (Frustum* f : {&mirrored.screens[0], &mirrored.tiles[0], &mirrored.tiles[1], &mirrored.tiles[2],
                      &mirrored.tiles[3], &mirrored.tiles[4], &mirrored.tiles[5]})
     std::swap(f->corners[0], f->corners[1]), std::swap(f->corners[2], f->corners[3]);
-  EXPECT_FALSE(GridCoordinates::of(mirrored.wall, mirrored.tiles, 3, 2));
+  EXPECT_FALSE(GridCoordinates::of(mirrored.screens[0], mirrored.tiles, 3, 2));
   WallView swapped = view;
   std::swap(swapped.tiles[0], swapped.tiles[4]);
-  EXPECT_FALSE(GridCoordinates::of(swapped.wall, swapped.tiles, 3, 2));
+  EXPECT_FALSE(GridCoordinates::of(swapped.screens[0], swapped.tiles, 3, 2));
   WallView flat = view;
-  flat.wall.corners.fill(Vec3(0, 0, 1));
-  EXPECT_FALSE(GridCoordinates::of(flat.wall, flat.tiles, 3, 2));
+  flat.screens[0].corners.fill(Vec3(0, 0, 1));
+  EXPECT_FALSE(GridCoordinates::of(flat.screens[0], flat.tiles, 3, 2));
   WallView nan = view;
   nan.tiles[3].corners[2].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(GridCoordinates::of(nan.wall, nan.tiles, 3, 2));
+  EXPECT_FALSE(GridCoordinates::of(nan.screens[0], nan.tiles, 3, 2));
 }
 
 TEST(InstructionSets, CanBeForcedAndAreAllHere) {

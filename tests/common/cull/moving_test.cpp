@@ -75,11 +75,11 @@ TEST(MovingLeaves, RefittedBoundsHoldTheContractForEveryAlgorithmAndBound) {
             viewOf(gridWall(4, 3, 50),
                    {.eye = center + geometry.vector(8), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}},
                    center, 20);
-        view.wall.near = view.wall.far = std::nullopt;
+        view.screens[0].near = view.screens[0].far = std::nullopt;
         for (Frustum& tile : view.tiles)
           tile.near = tile.far = std::nullopt;
         GridFrusta frusta(4, 3);
-        frusta.update(view.wall, view.tiles);
+        frusta.update(view.screens[0], view.tiles);
         const auto meets = certainVisibility(view.tiles, scene.leaves, motions);
         for (auto& [name, culler] : cullers)
           ASSERT_EQ(firstDrop(culler.cull(frusta), meets), "") << name << ", frame " << frame;
@@ -102,7 +102,7 @@ TEST(MovingLeaves, HybridBoundsAreTighterThanBoxesOfTheWorldWhereThingsStandStil
       gridWall(8, 8, 50), {.eye = Vec3(1, 2, 9), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
       Vec3::Zero(), 20);
   GridFrusta frusta(8, 8);
-  frusta.update(view.wall, view.tiles);
+  frusta.update(view.screens[0], view.tiles);
   const auto pairs = [&](cull::BoundsKind bounds) {
     cull::Culler culler(scene.hierarchy, {.bounds = bounds});
     return culler.cull(frusta).pairs;
@@ -122,11 +122,11 @@ TEST(PartedCuller, ListsBothPartsInOneIdSpace) {
   WallView view = viewOf(gridWall(3, 3, 50),
                          {.eye = Vec3(1, 2, 9), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
                          Vec3::Zero(), 20);
-  view.wall.near = view.wall.far = std::nullopt;
+  view.screens[0].near = view.screens[0].far = std::nullopt;
   for (Frustum& tile : view.tiles)
     tile.near = tile.far = std::nullopt;
   GridFrusta frusta(3, 3);
-  frusta.update(view.wall, view.tiles);
+  frusta.update(view.screens[0], view.tiles);
   // The moving part drives off as a whole: its hierarchy stays, the frusta come to it.
   Mat4 placement = Mat4::Identity();
   placement.topRightCorner<3, 1>() = Vec3(0.5, -1, 2);
@@ -168,7 +168,7 @@ TEST(PartedCuller, RemembersTheStaticPartWhileTheOtherMoves) {
                                   .fovYRad = {}},
                                  Vec3::Zero(), 20);
     GridFrusta frusta(3, 3);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view.screens[0], view.tiles);
     const cull::Result& result = culler.cull(frusta);
     if (frame > 0) {
       EXPECT_GT(result.tests.remembered, 500U);

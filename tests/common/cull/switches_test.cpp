@@ -30,7 +30,7 @@ class Switches : public ::testing::Test {
   }
   static GridFrusta frustaOf(const WallView& view, std::uint16_t columns = 4, std::uint16_t rows = 4) {
     GridFrusta frusta(columns, rows);
-    frusta.update(view.wall, view.tiles);
+    frusta.update(view.screens[0], view.tiles);
     return frusta;
   }
   cull::Result cullWith(const GridFrusta& frusta, const cull::Options& options) const {

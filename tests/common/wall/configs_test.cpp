@@ -61,13 +61,18 @@ TEST(Configs, everyShippedFileLoads) {
       const Result<Wall> wall = readWallFile(file);
       ASSERT_TRUE(wall.ok()) << wall.error().text();
       EXPECT_TRUE(wall->warnings.empty()) << wall->warnings[0];
-      const std::string grid = std::to_string(wall->columns) + "x" + std::to_string(wall->rows);
-      EXPECT_EQ(name, "wall-" + grid + ".json");
+      const Screen& screen = wall->screens[0];
+      if (wall->screens.size() == 1 && screen.columns > 0) {
+        const std::string grid = std::to_string(screen.columns) + "x" + std::to_string(screen.rows);
+        EXPECT_TRUE(name.ends_with("-" + grid + ".json")) << grid;
+      }
     }
   }
   for (const char* name :
        {"wall-1x1.json", "wall-2x2.json", "wall-3x2.json", "wall-4x4.json", "wall-8x8.json",
-        "wall-16x16.json", "orbit.camera.json", "fly.camera.json", "dive.camera.json"}) {
+        "wall-16x16.json", "wall-bezels-4x3.json", "wall-mixed.json", "wall-portrait-4x1.json",
+        "wall-projectors-3x1.json", "wall-cave-4.json", "wall-curved-6x2.json", "wall-stereo-2x1.json",
+        "wall-dome.json", "orbit.camera.json", "fly.camera.json", "dive.camera.json"}) {
     EXPECT_TRUE(fs::exists(kConfigs / name)) << name;
   }
 }
@@ -149,11 +154,27 @@ TEST(Configs, schemaAndReaderAgreeOnTheKeys) {
   const JsonDocument wallSchema = loaded(kConfigs / "wall.schema.json");
   const JsonValue wall = wallSchema.root();
   const JsonValue properties = *wall.find("properties");
-  EXPECT_EQ(keysInReader(parseWall(R"({"?": 1})", "w")), keysInSchema(wall));
-  EXPECT_EQ(keysInReader(parseWall(R"({"grid": {"?": 1}})", "w")), keysInSchema(*properties.find("grid")));
-  EXPECT_EQ(keysInReader(parseWall(
-                R"({"grid": {"columns": 1, "rows": 1, "tile_px": [8, 8]}, "camera": {"?": 1}})", "w")),
-            keysInSchema(*properties.find("camera")));
+  const JsonValue defs = *wall.find("$defs"), screen = *properties.find("screens")->find("items");
+  const JsonValue observer = *properties.find("observer");
+  const auto expectKeys = [](const std::string& text, const JsonValue& described) {
+    EXPECT_EQ(keysInReader(parseWall(text, "w")), keysInSchema(described)) << text;
+  };
+  const std::string grid = R"("grid": {"columns": 1, "rows": 1, "tile_px": [8, 8])";
+  expectKeys(R"({"?": 1})", wall);
+  expectKeys(R"({"grid": {"?": 1}})", *defs.find("grid"));
+  expectKeys("{" + grid + R"(}, "camera": {"?": 1}})", *properties.find("camera"));
+  expectKeys("{" + grid + R"(, "tile": {"?": 1}}})", *defs.find("settings"));
+  expectKeys("{" + grid + R"(}, "tiles": {"r0c0": {"?": 1}}})", *defs.find("settings"));
+  expectKeys("{" + grid + R"(, "bezel_mm": {"?": 1}}})",
+             defs.find("grid")->find("properties")->find("bezel_mm")->find("oneOf")->children()[2]);
+  expectKeys(R"({"screens": [{"?": 1}]})", screen);
+  expectKeys(R"({"screens": [{"corners_m": {"?": 1}}]})", *screen.find("properties")->find("corners_m"));
+  expectKeys(R"({"screens": [{"tiles": [{"?": 1}]}]})", *defs.find("tile"));
+  expectKeys("{" + grid + R"(}, "tiles": {"r0c0": {"warp": {"?": 1}}}})",
+             *defs.find("settings")->find("properties")->find("warp"));
+  expectKeys(R"({"observer": {"?": 1}})", observer);
+  expectKeys(R"({"observer": {"eye_m": [0, 0, 1], "stereo": {"?": 1}}})",
+             *observer.find("properties")->find("stereo"));
 
   const JsonDocument cameraSchema = loaded(kConfigs / "camera.schema.json");
   const JsonValue camera = cameraSchema.root();
@@ -180,8 +201,8 @@ TEST(Configs, schemaAndReaderAgreeOnTheLimits) {
   const JsonDocument schema = loaded(kConfigs / "wall.schema.json");
   const JsonValue properties = *schema.root().find("properties");
   int checkedCount = 0;
-  for (const char* part : {"grid", "camera"}) {
-    for (const JsonValue& property : properties.find(part)->find("properties")->children()) {
+  for (const JsonValue& part : {*schema.root().find("$defs")->find("grid"), *properties.find("camera")}) {
+    for (const JsonValue& property : part.find("properties")->children()) {
       const std::string key(property.key());
       const JsonValue limits = key == "tile_px" ? *property.find("items") : property;
       if (!limits.find("minimum")) continue;

@@ -38,10 +38,11 @@ TEST(WallFile, readsTheSmallestWall) {
   const Result<Wall> wall = parseWall(kSmallest, "w.json");
   ASSERT_TRUE(wall.ok()) << wall.error().text();
   EXPECT_EQ(wall->source, "w.json");
-  EXPECT_EQ(wall->columns, 2);
-  EXPECT_EQ(wall->rows, 2);
-  EXPECT_EQ(wall->widthPx(), 960);
-  EXPECT_EQ(wall->heightPx(), 540);
+  ASSERT_EQ(wall->screens.size(), 1u);
+  EXPECT_EQ(wall->screens[0].columns, 2);
+  EXPECT_EQ(wall->screens[0].rows, 2);
+  EXPECT_EQ(wall->tiles[0].canvasWidthPx, 960);
+  EXPECT_EQ(wall->tiles[0].canvasHeightPx, 540);
   EXPECT_DOUBLE_EQ(wall->fovYRad, 50 * std::numbers::pi / 180);
   EXPECT_FALSE(wall->near.has_value());
   EXPECT_FALSE(wall->far.has_value());
@@ -51,8 +52,7 @@ TEST(WallFile, readsTheSmallestWall) {
   EXPECT_EQ(wall->tiles[1].xPx, 480);
   EXPECT_EQ(wall->tiles[1].yPx, 0);
   EXPECT_EQ(wall->tiles[2].name, "r1c0");
-  EXPECT_EQ(wall->tiles[2].row, 1);
-  EXPECT_EQ(wall->tiles[2].column, 0);
+  EXPECT_EQ(wall->tiles[2].xPx, 0);
   EXPECT_EQ(wall->tiles[2].yPx, 270);
   EXPECT_EQ(wall->tiles[2].widthPx, 480);
 }
@@ -165,9 +165,7 @@ TEST(WallFile, boundsNames) {
   const auto named = [](const std::string& names) {
     return withGrid(R"("columns": 2, "rows": 2, "tile_px": [8, 8], "names":)" + names);
   };
-  expectError(
-      named("[[\"a\", \"b\"],\n[\"c\", \"a\"]]"), 3,
-      "two tiles are named \"a\": the one of row 1, column 1 and the one of row 0, column 0 on line 2");
+  expectError(named("[[\"a\", \"b\"],\n[\"c\", \"a\"]]"), 3, "two tiles are named \"a\": here and on line 2");
   expectError(named(R"([["a", "b"]])"), 2, "has 1 rows, the grid 2");
   expectError(named(R"([])"), 2, "has 0 rows, the grid 2");
   expectError(named("[[\"a\", \"b\"],\n[\"c\"]]"), 3, "has 1 names, the grid has 2 columns");

@@ -20,7 +20,7 @@ struct Scene {
   double radius = 1;
 };
 
-Wall gridWall(int columns, int rows, int widthPx, int heightPx, double fovYDeg) {
+Wall gridOf(int columns, int rows, int widthPx, int heightPx, double fovYDeg) {
   Result<Wall> wall = parseWall("{\"grid\": {\"columns\": " + std::to_string(columns) +
                                     ", \"rows\": " + std::to_string(rows) + ", \"tile_px\": [" +
                                     std::to_string(widthPx) + ", " + std::to_string(heightPx) + "]}}",
@@ -42,7 +42,7 @@ bool sameBits(const Frustum& a, const Frustum& b) {
 }
 
 const Frustum& tileAt(const Wall& wall, const WallView& view, int column, int row) {
-  return view.tiles[static_cast<std::size_t>(row * wall.columns + column)];
+  return view.tiles[static_cast<std::size_t>(row * wall.screens[0].columns + column)];
 }
 
 class Random {
@@ -86,25 +86,25 @@ void forRandomViews(Check check) {
 }
 
 TEST(Wall, neighboursShareCornersBitForBit) {
-  const Wall wall = gridWall(7, 5, 33, 21, 50);
+  const Wall wall = gridOf(7, 5, 33, 21, 50);
   forRandomViews([&](const Scene& scene, const CameraPose& pose, double) {
     const WallView view = viewOf(wall, pose, scene.center, scene.radius);
     ASSERT_EQ(view.tiles.size(), 35u);
-    for (int row = 0; row < wall.rows; ++row) {
-      for (int column = 0; column < wall.columns; ++column) {
+    for (int row = 0; row < wall.screens[0].rows; ++row) {
+      for (int column = 0; column < wall.screens[0].columns; ++column) {
         const Frustum& tile = tileAt(wall, view, column, row);
-        if (column + 1 < wall.columns) {
+        if (column + 1 < wall.screens[0].columns) {
           const Frustum& right = tileAt(wall, view, column + 1, row);
           ASSERT_TRUE(sameBits(tile.corners[1], right.corners[0]));
           ASSERT_TRUE(sameBits(tile.corners[2], right.corners[3]));
         }
-        if (row + 1 < wall.rows) {
+        if (row + 1 < wall.screens[0].rows) {
           const Frustum& below = tileAt(wall, view, column, row + 1);
           ASSERT_TRUE(sameBits(tile.corners[0], below.corners[3]));
           ASSERT_TRUE(sameBits(tile.corners[1], below.corners[2]));
         }
-        ASSERT_EQ(tile.near, view.wall.near);
-        ASSERT_EQ(tile.far, view.wall.far);
+        ASSERT_EQ(tile.near, view.screens[0].near);
+        ASSERT_EQ(tile.far, view.screens[0].far);
         ASSERT_TRUE(sameBits(tile.eye, pose.eye));
       }
     }
@@ -114,7 +114,7 @@ TEST(Wall, neighboursShareCornersBitForBit) {
 TEST(Wall, aViewIsTheSameInMemoryUsedBefore) {
   WallView view;
   for (const int columns : {7, 3, 5}) {
-    const Wall wall = gridWall(columns, 5, 33, 21, 50);
+    const Wall wall = gridOf(columns, 5, 33, 21, 50);
     forRandomViews([&](const Scene& scene, const CameraPose& pose, double) {
       viewInto(wall, pose, scene.center, scene.radius, view);
       const WallView fresh = viewOf(wall, pose, scene.center, scene.radius);
@@ -123,28 +123,27 @@ TEST(Wall, aViewIsTheSameInMemoryUsedBefore) {
         for (std::size_t corner = 0; corner < 4; ++corner)
           ASSERT_TRUE(sameBits(view.tiles[i].corners[corner], fresh.tiles[i].corners[corner]));
       }
-      ASSERT_TRUE(sameBits(view.right, fresh.right));
-      ASSERT_EQ(view.wall.far, fresh.wall.far);
+      ASSERT_TRUE(sameBits(view.axes[0].right, fresh.axes[0].right));
+      ASSERT_EQ(view.screens[0].far, fresh.screens[0].far);
     });
   }
 }
 
 TEST(Wall, outermostCornersAreThePrimaryFrustums) {
-  const Wall wall = gridWall(7, 5, 33, 21, 50);
+  const Wall wall = gridOf(7, 5, 33, 21, 50);
   forRandomViews([&](const Scene& scene, const CameraPose& pose, double) {
     const WallView view = viewOf(wall, pose, scene.center, scene.radius);
-    ASSERT_TRUE(sameBits(view.wall.corners[0], tileAt(wall, view, 0, 4).corners[0]));
-    ASSERT_TRUE(sameBits(view.wall.corners[1], tileAt(wall, view, 6, 4).corners[1]));
-    ASSERT_TRUE(sameBits(view.wall.corners[2], tileAt(wall, view, 6, 0).corners[2]));
-    ASSERT_TRUE(sameBits(view.wall.corners[3], tileAt(wall, view, 0, 0).corners[3]));
+    ASSERT_TRUE(sameBits(view.screens[0].corners[0], tileAt(wall, view, 0, 4).corners[0]));
+    ASSERT_TRUE(sameBits(view.screens[0].corners[1], tileAt(wall, view, 6, 4).corners[1]));
+    ASSERT_TRUE(sameBits(view.screens[0].corners[2], tileAt(wall, view, 6, 0).corners[2]));
+    ASSERT_TRUE(sameBits(view.screens[0].corners[3], tileAt(wall, view, 0, 0).corners[3]));
   });
 }
 
 TEST(Wall, untiledHasTheSamePrimaryFrustumBitForBit) {
-  Wall wall = gridWall(7, 3, 33, 21, 50);
+  Wall wall = gridOf(7, 3, 33, 21, 50);
   const Wall whole = wall.untiled();
-  EXPECT_EQ(whole.widthPx(), wall.widthPx());
-  EXPECT_EQ(whole.heightPx(), wall.heightPx());
+  EXPECT_EQ(whole.tiles[0].heightPx, wall.tiles[0].canvasHeightPx);
   ASSERT_EQ(whole.tiles.size(), 1u);
   EXPECT_EQ(whole.tiles[0].name, "wall");
   EXPECT_EQ(whole.tiles[0].widthPx, 231);
@@ -152,9 +151,9 @@ TEST(Wall, untiledHasTheSamePrimaryFrustumBitForBit) {
     pose.fovYRad = fovYDeg * std::numbers::pi / 180;
     const WallView tiled = viewOf(wall, pose, scene.center, scene.radius);
     const WallView untiled = viewOf(whole, pose, scene.center, scene.radius);
-    ASSERT_TRUE(sameBits(tiled.wall, untiled.wall));
+    ASSERT_TRUE(sameBits(tiled.screens[0], untiled.screens[0]));
     ASSERT_EQ(untiled.tiles.size(), 1u);
-    ASSERT_TRUE(sameBits(tiled.wall, untiled.tiles[0]));
+    ASSERT_TRUE(sameBits(tiled.screens[0], untiled.tiles[0]));
   });
 }
 
@@ -179,7 +178,7 @@ struct Oracle {
 };
 
 TEST(Wall, cornersLieWhereTheFormulaSays) {
-  const Wall wall = gridWall(4, 3, 480, 270, 50);
+  const Wall wall = gridOf(4, 3, 480, 270, 50);
   const long double aspect = (4.0L * 480) / (3.0L * 270);
   forRandomViews([&](const Scene& scene, CameraPose pose, double fovYDeg) {
     pose.fovYRad = fovYDeg * std::numbers::pi / 180;
@@ -200,27 +199,27 @@ TEST(Wall, cornersLieWhereTheFormulaSays) {
 }
 
 TEST(Wall, axesAreOrthonormalAndFollowTheWall) {
-  const Wall wall = gridWall(2, 2, 480, 270, 50);
+  const Wall wall = gridOf(2, 2, 480, 270, 50);
   forRandomViews([&](const Scene& scene, const CameraPose& pose, double) {
     const WallView view = viewOf(wall, pose, scene.center, scene.radius);
-    ASSERT_NEAR(view.right.norm(), 1, 1e-15);
-    ASSERT_NEAR(view.up.norm(), 1, 1e-15);
-    ASSERT_NEAR(view.right.dot(view.up), 0, 1e-15);
-    ASSERT_GT(view.right.dot(view.wall.corners[1] - view.wall.corners[0]), 0);
-    ASSERT_GT(view.up.dot(view.wall.corners[3] - view.wall.corners[0]), 0);
-    ASSERT_GT(view.up.dot(pose.up), 0);
+    ASSERT_NEAR(view.axes[0].right.norm(), 1, 1e-15);
+    ASSERT_NEAR(view.axes[0].up.norm(), 1, 1e-15);
+    ASSERT_NEAR(view.axes[0].right.dot(view.axes[0].up), 0, 1e-15);
+    ASSERT_GT(view.axes[0].right.dot(view.screens[0].corners[1] - view.screens[0].corners[0]), 0);
+    ASSERT_GT(view.axes[0].up.dot(view.screens[0].corners[3] - view.screens[0].corners[0]), 0);
+    ASSERT_GT(view.axes[0].up.dot(pose.up), 0);
   });
 }
 
 TEST(Wall, fittedDepthsContainTheScene) {
-  const Wall wall = gridWall(2, 2, 480, 270, 50);
+  const Wall wall = gridOf(2, 2, 480, 270, 50);
   forRandomViews([&](const Scene& scene, const CameraPose& pose, double) {
     const WallView view = viewOf(wall, pose, scene.center, scene.radius);
     const Oracle oracle(pose);
     const LongVec3 toCenter = scene.center.cast<long double>() - pose.eye.cast<long double>();
     const auto depth = static_cast<double>(oracle.forward.dot(toCenter));
-    const double near = *view.wall.near;
-    const double far = *view.wall.far;
+    const double near = *view.screens[0].near;
+    const double far = *view.screens[0].far;
     ASSERT_GT(near, 0);
     ASSERT_LT(near, far);
     ASSERT_TRUE(std::isfinite(far));
@@ -231,26 +230,26 @@ TEST(Wall, fittedDepthsContainTheScene) {
 }
 
 TEST(Wall, fitsTightlyAroundASceneInFront) {
-  const Wall wall = gridWall(1, 1, 100, 100, 50);
+  const Wall wall = gridOf(1, 1, 100, 100, 50);
   const WallView view = viewOf(wall, {.eye = {0, 0, 10}, .target = {0, 0, 0}}, Vec3::Zero(), 1);
-  EXPECT_NEAR(*view.wall.near, 9, 0.01);
-  EXPECT_NEAR(*view.wall.far, 11, 0.01);
+  EXPECT_NEAR(*view.screens[0].near, 9, 0.01);
+  EXPECT_NEAR(*view.screens[0].far, 11, 0.01);
 }
 
 TEST(Wall, aSceneBehindTheEyeStillGivesAView) {
-  const Wall wall = gridWall(1, 1, 100, 100, 50);
+  const Wall wall = gridOf(1, 1, 100, 100, 50);
   const WallView view = viewOf(wall, {.eye = {0, 0, 10}, .target = {0, 0, 20}}, Vec3::Zero(), 1);
-  EXPECT_GT(*view.wall.near, 0);
-  EXPECT_GT(*view.wall.far, *view.wall.near);
+  EXPECT_GT(*view.screens[0].near, 0);
+  EXPECT_GT(*view.screens[0].far, *view.screens[0].near);
 }
 
 TEST(Wall, theFilesDistancesComeFirst) {
-  Wall wall = gridWall(1, 1, 100, 100, 50);
+  Wall wall = gridOf(1, 1, 100, 100, 50);
   const CameraPose pose{.eye = {0, 0, 10}, .target = {0, 0, 0}};
   const auto depths = [&](std::optional<double> near, std::optional<double> far) {
     wall.near = near;
     wall.far = far;
-    const Frustum frustum = viewOf(wall, pose, Vec3::Zero(), 1).wall;
+    const Frustum frustum = viewOf(wall, pose, Vec3::Zero(), 1).screens[0];
     EXPECT_LT(*frustum.near, *frustum.far);
     return std::pair(*frustum.near, *frustum.far);
   };
@@ -263,19 +262,19 @@ TEST(Wall, theFilesDistancesComeFirst) {
 }
 
 TEST(Wall, knownCornersOfASimpleView) {
-  const Wall wall = gridWall(2, 2, 100, 100, 90);
+  const Wall wall = gridOf(2, 2, 100, 100, 90);
   const WallView view = viewOf(wall, {.eye = {0, 0, 4}, .target = {0, 0, 0}}, Vec3::Zero(), 1);
   const Frustum& upperLeft = tileAt(wall, view, 0, 0);
   const double distance = 4 - upperLeft.corners[2].z();
   const Vec3 expected[4] = {{-1, 0, -1}, {0, 0, -1}, {0, 1, -1}, {-1, 1, -1}};
   for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 ray = (upperLeft.corners[i] - view.wall.eye) / distance;
+    const Vec3 ray = (upperLeft.corners[i] - view.screens[0].eye) / distance;
     EXPECT_LT((ray - expected[i]).norm(), 1e-14) << i;
   }
 }
 
 TEST(Wall, brokenPosesGiveFiniteViews) {
-  const Wall wall = gridWall(2, 2, 480, 270, 50);
+  const Wall wall = gridOf(2, 2, 480, 270, 50);
   const CameraPose poses[] = {
       {.eye = {1, 2, 3}, .target = {1, 2, 3}},
       {.eye = {0, 0, 0}, .target = {0, 1, 0}, .up = {0, 1, 0}},
@@ -292,9 +291,9 @@ TEST(Wall, brokenPosesGiveFiniteViews) {
       for (const Vec3& corner : tile.corners)
         EXPECT_TRUE(isFinite(corner));
     }
-    EXPECT_NEAR(view.right.norm(), 1, 1e-15);
-    EXPECT_NEAR(view.up.norm(), 1, 1e-15);
-    EXPECT_NEAR(view.right.dot(view.up), 0, 1e-15);
+    EXPECT_NEAR(view.axes[0].right.norm(), 1, 1e-15);
+    EXPECT_NEAR(view.axes[0].up.norm(), 1, 1e-15);
+    EXPECT_NEAR(view.axes[0].right.dot(view.axes[0].up), 0, 1e-15);
   }
 }
 
