@@ -22,8 +22,8 @@ void writeArchive(const std::string& path, const std::map<std::string, std::stri
 }
 
 std::string pfm(int columns, int rows, const std::function<Sample(int, int)>& at, bool isLittleEndian) {
-  std::string bytes =
-      "PF\n" + std::to_string(columns) + ' ' + std::to_string(rows) + (isLittleEndian ? "\n-1.0\n" : "\n1.0\n");
+  std::string bytes = "PF\n" + std::to_string(columns) + ' ' + std::to_string(rows) +
+                      (isLittleEndian ? "\n-1.0\n" : "\n1.0\n");
   const auto append = [&](float value) {
     auto bits = std::bit_cast<std::uint32_t>(value);
     if (isLittleEndian != (std::endian::native == std::endian::little)) bits = __builtin_bswap32(bits);

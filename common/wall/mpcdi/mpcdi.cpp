@@ -31,7 +31,8 @@ std::string_view trimmed(std::string_view text) {
 /// Reads the description and what it refers to. The case of names is not looked at: programs differ in it.
 class Reader {
  public:
-  Reader(const Archive& archive, std::string xmlName) : archive_(archive), xmlName_(std::move(xmlName)) {}
+  Reader(const Archive& archive, std::string xmlName, std::optional<std::string> onlyRegion)
+      : archive_(archive), xmlName_(std::move(xmlName)), onlyRegion_(std::move(onlyRegion)) {}
 
   Result<Mpcdi> run() {
     const Result<std::string> bytes = archive_.read(xmlName_, kMaxMpcdiXmlBytes);
@@ -52,6 +53,9 @@ class Reader {
     if (!error_) profile(root);
     if (!error_) displays(root);
     if (!error_ && mpcdi_.regions.empty()) fail(root, "describes no region");
+    if (!error_ && onlyRegion_ && regionOf(*onlyRegion_) == mpcdi_.regions.end()) {
+      fail(root, "the archive has no region \"" + onlyRegion_->substr(0, 64) + '"');
+    }
     if (!error_) files(root);
     if (error_) return *error_;
     return std::move(mpcdi_);
@@ -253,6 +257,11 @@ class Reader {
     return frame;
   }
 
+  std::vector<MpcdiRegion>::iterator regionOf(const std::string& id) {
+    return std::find_if(mpcdi_.regions.begin(), mpcdi_.regions.end(),
+                        [&](const MpcdiRegion& region) { return region.id == id; });
+  }
+
   void files(const pugi::xml_node& root) {
     const pugi::xml_node files = child(root, "files");
     for (const pugi::xml_node& set : files.children()) {
@@ -262,12 +271,12 @@ class Reader {
         continue;
       }
       const std::string name = id(set, "region");
-      const auto region = std::find_if(mpcdi_.regions.begin(), mpcdi_.regions.end(),
-                                       [&](const MpcdiRegion& r) { return r.id == name; });
+      const auto region = regionOf(name);
       if (region == mpcdi_.regions.end()) {
         fail(set, "files for the region \"" + name.substr(0, 64) + "\", which is not there");
         return;
       }
+      if (onlyRegion_ && *onlyRegion_ != name) continue;
       for (const pugi::xml_node& file : set.children()) {
         if (file.type() != pugi::node_element || error_) continue;
         if (isSame(file.name(), "geometryWarpFile")) {
@@ -364,6 +373,7 @@ class Reader {
 
   const Archive& archive_;
   std::string xmlName_, text_, fileName_;
+  std::optional<std::string> onlyRegion_;
   std::optional<Error> error_;
   std::set<std::string> leftOut_;
   std::int64_t budget_ = kMaxMpcdiBytes;
@@ -372,7 +382,7 @@ class Reader {
 
 }  // namespace
 
-Result<Mpcdi> readMpcdi(const std::filesystem::path& path) {
+Result<Mpcdi> readMpcdi(const std::filesystem::path& path, std::optional<std::string> onlyRegion) {
   const Result<Archive> archive = Archive::open(path);
   if (!archive) return archive.error();
   std::string xml = archive->find("mpcdi.xml");
@@ -380,7 +390,7 @@ Result<Mpcdi> readMpcdi(const std::filesystem::path& path) {
   if (xml.empty()) {
     return inputError(path.string(), "is an archive without mpcdi.xml, so no MPCDI archive");
   }
-  return Reader(*archive, xml).run();
+  return Reader(*archive, xml, std::move(onlyRegion)).run();
 }
 
 }  // namespace tessera

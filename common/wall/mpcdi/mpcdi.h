@@ -94,7 +94,9 @@ inline constexpr std::size_t kMaxMpcdiEntries = 4096;  ///< files in the archive
 inline constexpr std::int64_t kMaxMpcdiXmlBytes = std::int64_t{1} << 20;
 
 /// Reads a .mpcdi archive whole. The error names the archive and the file in it. Nothing is unpacked to disk,
-/// and nothing is allocated for sizes that the archive only claims.
-[[nodiscard]] Result<Mpcdi> readMpcdi(const std::filesystem::path& path);
+/// and nothing is allocated for sizes that the archive only claims. With `onlyRegion`, the maps of that
+/// region alone are read, and it is an error if it is not there.
+[[nodiscard]] Result<Mpcdi> readMpcdi(const std::filesystem::path& path,
+                                      std::optional<std::string> onlyRegion = std::nullopt);
 
 }  // namespace tessera

@@ -90,7 +90,8 @@ TEST(ImportEqualizer, assumesPixelsWhereNoneAreSaid) {
   const Json wall = imported(text, "a.eqc");
   EXPECT_EQ(wall["screens"][0]["tiles"][0]["px"], Json({1920, 1080}));
   EXPECT_FALSE(wall["screens"][0]["tiles"][0].contains("window_px"));
-  EXPECT_TRUE(contains(warningsOf(text, "a.eqc"), "a.eqc:13: channel without a size in pixels: ")) << warningsOf(text, "a.eqc");
+  EXPECT_TRUE(contains(warningsOf(text, "a.eqc"), "a.eqc:13: channel without a size in pixels: "))
+      << warningsOf(text, "a.eqc");
   EXPECT_FALSE(contains(warningsOf(kTwoWindows, "a.eqc"), "without a size"));
 }
 
@@ -99,14 +100,16 @@ TEST(ImportEqualizer, fullScreenWindowsFillTheirDisplay) {
   const Json wall = imported(full, "a.eqc");
   EXPECT_EQ(wall["screens"][0]["tiles"][0]["px"], Json({1920, 1080}));
   EXPECT_EQ(wall["screens"][0]["tiles"][1]["px"], Json({500, 800})) << "half of the pipe's 1000 x 800";
-  const std::string but = with(full, "window { name \"l\"", "window { attributes { hint_fullscreen OFF } name \"l\"");
+  const std::string but =
+      with(full, "window { name \"l\"", "window { attributes { hint_fullscreen OFF } name \"l\"");
   EXPECT_EQ(imported(but, "a.eqc")["screens"][0]["tiles"][0]["px"], Json({480, 300}));
 }
 
 TEST(ImportEqualizer, everySegmentMayHaveItsOwnWall) {
-  const std::string text = with(kTwoWindows, "segment { channel \"c1\" viewport [ 0 0 .5 1 ] }",
-                                "segment { channel \"c1\" viewport [ 0 0 .5 1 ]"
-                                " wall { bottom_left [ -2 0 1 ] bottom_right [ -2 0 -1 ] top_left [ -2 1 1 ] } }");
+  const std::string text =
+      with(kTwoWindows, "segment { channel \"c1\" viewport [ 0 0 .5 1 ] }",
+           "segment { channel \"c1\" viewport [ 0 0 .5 1 ]"
+           " wall { bottom_left [ -2 0 1 ] bottom_right [ -2 0 -1 ] top_left [ -2 1 1 ] } }");
   const Json wall = imported(text, "a.eqc");
   ASSERT_EQ(wall["screens"].size(), 2u);
   EXPECT_EQ(wall["screens"][0]["tiles"].size(), 2u);
@@ -119,7 +122,8 @@ TEST(ImportEqualizer, everySegmentMayHaveItsOwnWall) {
 
 TEST(ImportEqualizer, emptyWallIsEqualizersOwn) {
   const std::string text =
-      with(kTwoWindows, "wall { bottom_left [ -2 0 -1 ] bottom_right [ 2 0 -1 ] top_left [ -2 1 -1 ] }", "wall {}");
+      with(kTwoWindows, "wall { bottom_left [ -2 0 -1 ] bottom_right [ 2 0 -1 ] top_left [ -2 1 -1 ] }",
+           "wall {}");
   const Json corners = imported(text, "a.eqc")["screens"][0]["corners_m"];
   expectPoint(corners["lower_left"], -0.8, -0.5, -1);
   expectPoint(corners["lower_right"], 0.8, -0.5, -1);
@@ -131,8 +135,9 @@ std::string projected(const std::string& fields) {
               "projection { " + fields + " }");
 }
 
-// Equalizer puts the surface at origin + distance * (its z axis, turned) and, as the eye is behind it, draws as
-// if it were turned half around the eye: straight ahead for a heading of 0, to the left for a positive one.
+// Equalizer puts the surface at origin + distance * (its z axis, turned) and, as the eye is behind it, draws
+// as if it were turned half around the eye: straight ahead for a heading of 0, to the left for a positive
+// one.
 TEST(ImportEqualizer, projectionsBecomeCorners) {
   const double half = 3 * std::tan(27 * M_PI / 180), high = 3 * std::tan(20 * M_PI / 180);
   const std::string ahead = projected("origin [ 0 0 0 ] distance 3 fov [ 54 40 ] hpr [ 0 0 0 ]");
@@ -142,7 +147,8 @@ TEST(ImportEqualizer, projectionsBecomeCorners) {
   expectPoint(corners["upper_left"], -half, high, -3);
   EXPECT_TRUE(contains(warningsOf(ahead, "a.eqc"), "faces away from the eye"));
 
-  corners = imported(projected("origin [ 0 0 0 ] distance 3 fov [ 54 40 ] hpr [ 90 0 0 ]"), "a.eqc")["screens"][0]["corners_m"];
+  corners = imported(projected("origin [ 0 0 0 ] distance 3 fov [ 54 40 ] hpr [ 90 0 0 ]"),
+                     "a.eqc")["screens"][0]["corners_m"];
   expectPoint(corners["lower_left"], -3, -high, half);
   expectPoint(corners["lower_right"], -3, -high, -half);
   expectPoint(corners["upper_left"], -3, high, half);
@@ -158,14 +164,16 @@ TEST(ImportEqualizer, turnsByPitchAndRollAreTheMatrixOfEqualizer) {
   // Origin far before the eye, so that the corners stand as Equalizer's own matrix puts them.
   const double h = 30 * M_PI / 180, p = 20 * M_PI / 180, r = 10 * M_PI / 180;
   const double w = 2 * std::tan(15 * M_PI / 180), v = 2 * std::tan(10 * M_PI / 180);
-  const double cosH = std::cos(h), sinH = std::sin(h), cosP = std::cos(p), sinP = std::sin(p), cosR = std::cos(r),
-               sinR = std::sin(r);
-  const Json corners =
-      imported(projected("origin [ 0 0 -20 ] distance 2 fov [ 30 20 ] hpr [ 30 20 10 ]"), "a.eqc")["screens"][0]["corners_m"];
+  const double cosH = std::cos(h), sinH = std::sin(h), cosP = std::cos(p), sinP = std::sin(p),
+               cosR = std::cos(r), sinR = std::sin(r);
+  const Json corners = imported(projected("origin [ 0 0 -20 ] distance 2 fov [ 30 20 ] hpr [ 30 20 10 ]"),
+                                "a.eqc")["screens"][0]["corners_m"];
   const double x[3] = {cosH * cosR, -cosH * sinR, -sinH};
   const double y[3] = {-sinP * sinH * cosR + cosP * sinR, sinP * sinH * sinR + cosP * cosR, -sinP * cosH};
   const double z[3] = {cosP * sinH * cosR + sinP * sinR, -cosP * sinH * sinR + sinP * cosR, cosP * cosH};
-  const auto at = [&](double a, double b, int i) { return a * x[i] + b * y[i] + 2 * z[i] + (i == 2 ? -20 : 0); };
+  const auto at = [&](double a, double b, int i) {
+    return a * x[i] + b * y[i] + 2 * z[i] + (i == 2 ? -20 : 0);
+  };
   expectPoint(corners["lower_left"], at(-w, -v, 0), at(-w, -v, 1), at(-w, -v, 2));
   expectPoint(corners["lower_right"], at(w, -v, 0), at(w, -v, 1), at(w, -v, 2));
   // The upper left corner is squared up; the matrix is not exactly one of a rotation in Equalizer either.
@@ -189,8 +197,9 @@ TEST(ImportEqualizer, eyesOfTheObserver) {
                                 "config\n  { attributes { eye_base 0.07 }");
   EXPECT_NEAR(imported(base, "a.eqc")["observer"]["stereo"]["separation_mm"], 70, 1e-9);
 
-  const std::string eyes = with(stereo, "observer {}",
-                                "observer { eye_left [ -0.04 1.5 1 ] eye_right [ 0.04 1.5 1 ] vrpn_tracker \"t@h\" }");
+  const std::string eyes =
+      with(stereo, "observer {}",
+           "observer { eye_left [ -0.04 1.5 1 ] eye_right [ 0.04 1.5 1 ] vrpn_tracker \"t@h\" }");
   observer = imported(eyes, "a.eqc")["observer"];
   expectPoint(observer["eye_m"], 0, 1.5, 1);
   EXPECT_NEAR(observer["stereo"]["separation_mm"], 80, 1e-9);
@@ -234,29 +243,38 @@ TEST(ImportEqualizer, namesWhatIsNoWallWithCountAndFirstLine) {
 }
 
 TEST(ImportEqualizer, namesLayoutsViewsAndUnusedChannels) {
-  std::string text = with(kTwoWindows, "layout \"one\"", "layout \"one\" layout \"two\" layout OFF swapbarrier {}");
-  text = with(text, "view { observer 0 }", "view { viewport [ 0 0 .5 1 ] wall {} attributes { deflect_host \"h\" } }");
+  std::string text =
+      with(kTwoWindows, "layout \"one\"", "layout \"one\" layout \"two\" layout OFF swapbarrier {}");
+  text = with(text, "view { observer 0 }",
+              "view { viewport [ 0 0 .5 1 ] wall {} attributes { deflect_host \"h\" } }");
   text = with(text, "segment { channel \"c2\" viewport [ .5 .5 .25 .5 ] }", "");
   const std::string warnings = warningsOf(text, "a.eqc");
-  for (const char* kind : {":30: further layout of a canvas (2 times): ", "viewport of a view: ", "wall of a view: ",
-                           "attribute of a view (deflect_host): ", "channel that no segment of a canvas shows: ",
-                           "swapbarrier of a canvas: "})
+  for (const char* kind : {":30: further layout of a canvas (2 times): ", "viewport of a view: ",
+                           "wall of a view: ", "attribute of a view (deflect_host): ",
+                           "channel that no segment of a canvas shows: ", "swapbarrier of a canvas: "})
     EXPECT_TRUE(contains(warnings, kind)) << kind << '\n' << warnings;
 }
 
 TEST(ImportEqualizer, saysWhereAnErrorIs) {
-  EXPECT_EQ(errorOf(with(kTwoWindows, "[ 100 50 480 300 ]", "[ 100 50 480 ]"), "a.eqc").rfind("a.eqc:13: \"viewport\"", 0), 0u);
-  EXPECT_TRUE(contains(errorOf(with(kTwoWindows, "segment { channel \"c2\"", "segment { channel \"c9\""), "a.eqc"),
-                       "a.eqc:33: no window has a channel named \"c9\""));
-  EXPECT_TRUE(contains(errorOf(with(kTwoWindows, "top_left [ -2 1 -1 ]", "top_left [ 2 1 -1 ]"), "a.eqc"), "rectangle"));
+  EXPECT_EQ(errorOf(with(kTwoWindows, "[ 100 50 480 300 ]", "[ 100 50 480 ]"), "a.eqc")
+                .rfind("a.eqc:13: \"viewport\"", 0),
+            0u);
+  EXPECT_TRUE(
+      contains(errorOf(with(kTwoWindows, "segment { channel \"c2\"", "segment { channel \"c9\""), "a.eqc"),
+               "a.eqc:33: no window has a channel named \"c9\""));
+  EXPECT_TRUE(contains(errorOf(with(kTwoWindows, "top_left [ -2 1 -1 ]", "top_left [ 2 1 -1 ]"), "a.eqc"),
+                       "rectangle"));
   EXPECT_TRUE(contains(errorOf(with(kTwoWindows, "top_left [ -2 1 -1 ]", "top_left [ -2 0 -1 ]"), "a.eqc"),
                        "smaller than a millimetre"));
-  EXPECT_TRUE(contains(errorOf(with(kTwoWindows, ".75 0 .25 .25", ".75 0 .5 .25"), "a.eqc"), "edge of the screen"));
+  EXPECT_TRUE(
+      contains(errorOf(with(kTwoWindows, ".75 0 .25 .25", ".75 0 .5 .25"), "a.eqc"), "edge of the screen"));
   EXPECT_TRUE(contains(errorOf(projected("fov [ 54 40 ]"), "a.eqc"), "needs a distance"));
   EXPECT_TRUE(contains(errorOf("#Equalizer\nserver { config { appNode { } } }", "a.eqc"), "no canvas"));
   EXPECT_TRUE(contains(errorOf("server { }", "a.eqc"), "no config"));
-  EXPECT_TRUE(contains(errorOf("server { config { observer {} }", "a.eqc"), "\"server\" that begins on line 1"));
-  EXPECT_TRUE(contains(errorOf("config { canvas { wall \"x }\n", "a.eqc"), "a.eqc:1: the quotes are not closed"));
+  EXPECT_TRUE(
+      contains(errorOf("server { config { observer {} }", "a.eqc"), "\"server\" that begins on line 1"));
+  EXPECT_TRUE(
+      contains(errorOf("config { canvas { wall \"x }\n", "a.eqc"), "a.eqc:1: the quotes are not closed"));
   EXPECT_TRUE(contains(errorOf("config { canvas }", "a.eqc"), "\"canvas\" has no value"));
   EXPECT_TRUE(contains(errorOf("config { } }", "a.eqc"), "closes nothing"));
   EXPECT_TRUE(contains(errorOf("config { a [ 1 2 { ] }", "a.eqc"), "is not closed with ]"));

@@ -51,9 +51,9 @@ TEST(ImportTide, surfacesAreGrids) {
 }
 
 TEST(ImportTide, negativeBezelsAreOverlaps) {
-  const Json grid =
-      imported(with(with(kTide, "\"bezelWidth\": 50", "\"bezelWidth\": -60"), "\"bezelHeight\": 30", "\"bezelHeight\": 0"),
-               "t.json")["grid"];
+  const Json grid = imported(with(with(kTide, "\"bezelWidth\": 50", "\"bezelWidth\": -60"),
+                                  "\"bezelHeight\": 30", "\"bezelHeight\": 0"),
+                             "t.json")["grid"];
   EXPECT_EQ(grid["overlap_px"], Json({60, 0}));
   EXPECT_FALSE(grid.contains("bezel_mm"));
 }
@@ -67,14 +67,16 @@ TEST(ImportTide, overlapAcrossAndBezelsDownArePlacedFreely) {
 }
 
 TEST(ImportTide, severalDisplaysAScreenHideTheBezelsBetweenThem) {
-  const Json grid = imported(with(kTide, "\"screenCountX\": 2", "\"screenCountX\": 2, \"displaysPerScreenX\": 3"), "t.json")["grid"];
+  const Json grid = imported(
+      with(kTide, "\"screenCountX\": 2", "\"screenCountX\": 2, \"displaysPerScreenX\": 3"), "t.json")["grid"];
   EXPECT_EQ(grid["tile_px"], Json({3 * 400 + 2 * 50, 300}));
   expectPair(grid["bezel_mm"], 25, 15);
 }
 
 TEST(ImportTide, aSurfaceMayHaveASizeInMetres) {
   // 850 x 630 pixels.
-  const Json grid = imported(with(kTide, "\"bezelWidth\"", "\"dimensions\": [1.7, 1.26], \"bezelWidth\""), "t.json")["grid"];
+  const Json grid = imported(with(kTide, "\"bezelWidth\"", "\"dimensions\": [1.7, 1.26], \"bezelWidth\""),
+                             "t.json")["grid"];
   expectPair(grid["tile_mm"], 800, 600);
   expectPair(grid["bezel_mm"], 50, 30);
 }
@@ -108,10 +110,12 @@ TEST(ImportTide, eyesBecomeStereoTiles) {
 }
 
 TEST(ImportTide, severalSurfacesStandSideBySide) {
-  std::string text = with(kTide, "\"surfaces\": [", "\"surfaces\": [ {\"displayWidth\": 1000, \"displayHeight\": 500},");
+  std::string text =
+      with(kTide, "\"surfaces\": [", "\"surfaces\": [ {\"displayWidth\": 1000, \"displayHeight\": 500},");
   text = with(text, "{\"display\": \":0\", \"x\": 10, \"y\": 20}", "{\"surface\": 0}, {\"surface\": 1}");
   text = with(text, "\":0.1\", \"i\": 1", "\":0.1\", \"surface\": 1, \"i\": 1");
-  text = with(text, "{\"i\": 0, \"j\": 1}, {\"i\": 1,", "{\"surface\": 1, \"i\": 0, \"j\": 1}, {\"surface\": 1, \"i\": 1,");
+  text = with(text, "{\"i\": 0, \"j\": 1}, {\"i\": 1,",
+              "{\"surface\": 1, \"i\": 0, \"j\": 1}, {\"surface\": 1, \"i\": 1,");
   const Json wall = imported(text, "t.json");
   ASSERT_EQ(wall["screens"].size(), 2u);
   expectPoint(wall["screens"][0]["corners_m"]["lower_right"], 1, 0, 0);
@@ -123,13 +127,20 @@ TEST(ImportTide, severalSurfacesStandSideBySide) {
 }
 
 TEST(ImportTide, saysWhereAnErrorIs) {
-  EXPECT_TRUE(contains(errorOf(with(kTide, "\"displayWidth\": 400", "\"displayWidth\": 0"), "t.json"), "t.json:10: the displays have no possible size"));
-  EXPECT_TRUE(contains(errorOf(with(kTide, "\"displayWidth\": 400, ", ""), "t.json"), "t.json:10: the displays have no possible size"));
-  EXPECT_TRUE(contains(errorOf(with(kTide, "\"i\": 1, \"j\": 1", "\"i\": 2, \"j\": 1"), "t.json"), "t.json:7: column 2, row 1 lies outside"));
-  EXPECT_TRUE(contains(errorOf(with(kTide, "\"i\": 0, \"j\": 1", "\"surface\": 3"), "t.json"), "lies on surface 3 of 1"));
-  EXPECT_TRUE(contains(errorOf(with(kTide, "\"screenCountX\": 2", "\"screenCountX\": 2.5"), "t.json"), "whole number"));
-  EXPECT_TRUE(contains(errorOf(with(kTide, "\"screenCountX\": 2", "\"screenCountX\": 4000"), "t.json"), "more than 4096 tiles"));
-  EXPECT_TRUE(contains(errorOf(with(kTide, "\"bezelWidth\": 50", "\"bezelWidth\": -400"), "t.json"), "overlap wholly"));
+  EXPECT_TRUE(contains(errorOf(with(kTide, "\"displayWidth\": 400", "\"displayWidth\": 0"), "t.json"),
+                       "t.json:10: the displays have no possible size"));
+  EXPECT_TRUE(contains(errorOf(with(kTide, "\"displayWidth\": 400, ", ""), "t.json"),
+                       "t.json:10: the displays have no possible size"));
+  EXPECT_TRUE(contains(errorOf(with(kTide, "\"i\": 1, \"j\": 1", "\"i\": 2, \"j\": 1"), "t.json"),
+                       "t.json:7: column 2, row 1 lies outside"));
+  EXPECT_TRUE(contains(errorOf(with(kTide, "\"i\": 0, \"j\": 1", "\"surface\": 3"), "t.json"),
+                       "lies on surface 3 of 1"));
+  EXPECT_TRUE(contains(errorOf(with(kTide, "\"screenCountX\": 2", "\"screenCountX\": 2.5"), "t.json"),
+                       "whole number"));
+  EXPECT_TRUE(contains(errorOf(with(kTide, "\"screenCountX\": 2", "\"screenCountX\": 4000"), "t.json"),
+                       "more than 4096 tiles"));
+  EXPECT_TRUE(contains(errorOf(with(kTide, "\"bezelWidth\": 50", "\"bezelWidth\": -400"), "t.json"),
+                       "overlap wholly"));
   EXPECT_TRUE(contains(errorOf("{\"surfaces\": []}", "t.json"), "no surface"));
   EXPECT_TRUE(contains(errorOf("{\"surfaces\": 3}", "t.json"), "must be an array"));
   EXPECT_TRUE(contains(errorOf("{\"surfaces\": [3]}", "t.json"), "must hold objects"));
@@ -181,7 +192,8 @@ TEST(ImportDisplayCluster, tidesXmlHasOtherNames) {
 }
 
 TEST(ImportDisplayCluster, saysWhereAnErrorIs) {
-  EXPECT_TRUE(contains(errorOf(with(kDisplayCluster, "\"400\"", "\"4x0\""), "d.xml"), "d.xml:3: \"screenWidth\" must be a whole number"));
+  EXPECT_TRUE(contains(errorOf(with(kDisplayCluster, "\"400\"", "\"4x0\""), "d.xml"),
+                       "d.xml:3: \"screenWidth\" must be a whole number"));
   EXPECT_TRUE(contains(errorOf("<configuration/>", "d.xml"), "no <dimensions>"));
   EXPECT_TRUE(contains(errorOf("<configuration>\n<a></b>", "d.xml"), "d.xml:2: is no XML"));
   EXPECT_TRUE(contains(errorOf("<!DOCTYPE a [<!ENTITY b 'c'>]><configuration/>", "d.xml"), "document type"));

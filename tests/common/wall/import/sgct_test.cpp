@@ -74,10 +74,12 @@ TEST(ImportSgct, planarProjectionsInAllTheirForms) {
   expectPoint(corners["upper_left"], 1 - 2 * tangent(10), 2 + 2 * tangent(25), 3 - 2);
   expectPoint(corners["lower_right"], 1 + 2 * tangent(30), 2 - 2 * tangent(20), 3 - 2);
   // A pitch looks up, a roll turns clockwise.
-  corners = cornersOf(R"({"hfov": 90, "vfov": 90, "distance": 1})", R"("orientation": {"yaw": 0, "pitch": 90, "roll": 0})");
+  corners = cornersOf(R"({"hfov": 90, "vfov": 90, "distance": 1})",
+                      R"("orientation": {"yaw": 0, "pitch": 90, "roll": 0})");
   expectPoint(corners["lower_left"], -1, 1, -1);
   expectPoint(corners["upper_left"], -1, 1, 1);
-  corners = cornersOf(R"({"hfov": 90, "vfov": 90})", R"("distance": 1, "orientation": {"yaw": 0, "pitch": 0, "roll": 90})");
+  corners = cornersOf(R"({"hfov": 90, "vfov": 90})",
+                      R"("distance": 1, "orientation": {"yaw": 0, "pitch": 0, "roll": 90})");
   expectPoint(corners["lower_left"], -1, 1, -1);
   expectPoint(corners["upper_left"], 1, 1, -1);
   // The same as a quaternion about z.
@@ -94,7 +96,8 @@ TEST(ImportSgct, stereoModes) {
   EXPECT_NEAR(imported(stereo("active"), "s.json")["observer"]["stereo"]["separation_mm"], 60, 1e-9);
   EXPECT_EQ(imported(stereo("active"), "s.json")["observer"]["stereo"]["mode"], "quad-buffer");
   EXPECT_EQ(imported(stereo("top_bottom_inverted"), "s.json")["observer"]["stereo"]["mode"], "top-bottom");
-  EXPECT_TRUE(contains(warningsOf(stereo("top_bottom_inverted"), "s.json"), "stereo mode top_bottom_inverted"));
+  EXPECT_TRUE(
+      contains(warningsOf(stereo("top_bottom_inverted"), "s.json"), "stereo mode top_bottom_inverted"));
   EXPECT_FALSE(imported(stereo("anaglyph_red_cyan"), "s.json")["observer"].contains("stereo"));
   EXPECT_TRUE(contains(warningsOf(stereo("anaglyph_red_cyan"), "s.json"), "stereo mode anaglyph_red_cyan"));
   const std::string eye = with(kSgct, "{\"pos\": {\"x\": 0, ", "{\"eye\": \"right\", \"pos\": {\"x\": 0, ");
@@ -105,11 +108,13 @@ TEST(ImportSgct, stereoModes) {
 }
 
 TEST(ImportSgct, namesWhatIsNoWall) {
-  std::string text = with(kSgct, "\"users\": [", "\"users\": [{\"pos\": {\"x\": 0, \"y\": 0, \"z\": 9}, \"tracking\": {}}, ");
+  std::string text = with(kSgct, "\"users\": [",
+                          "\"users\": [{\"pos\": {\"x\": 0, \"y\": 0, \"z\": 9}, \"tracking\": {}}, ");
   text = with(text, "{\"pos\": {\"x\": 0.5", "{\"mesh\": \"m.obj\", \"pos\": {\"x\": 0.5");
   const std::string warnings = warningsOf(text, "s.json");
-  for (const char* kind : {"s.json:3: masteraddress: ", "s.json:4: settings: ", "s.json:6: port of a node: ", "s.json:7: msaa of a window: ",
-                           "further user: ", "tracking of a user: ", "mesh of a viewport: "})
+  for (const char* kind :
+       {"s.json:3: masteraddress: ", "s.json:4: settings: ", "s.json:6: port of a node: ",
+        "s.json:7: msaa of a window: ", "further user: ", "tracking of a user: ", "mesh of a viewport: "})
     EXPECT_TRUE(contains(warnings, kind)) << kind << '\n' << warnings;
   expectPoint(imported(text, "s.json")["observer"]["eye_m"], 0, 0, 9);
 }
@@ -117,16 +122,19 @@ TEST(ImportSgct, namesWhatIsNoWall) {
 TEST(ImportSgct, curvedProjectionsAreNoWall) {
   const std::string one = with(kSgct, "\"type\": \"PlanarProjection\"", "\"type\": \"FisheyeProjection\"");
   EXPECT_EQ(imported(one, "s.json")["screens"].size(), 1u);
-  EXPECT_TRUE(contains(warningsOf(one, "s.json"), "s.json:14: viewport with the projection FisheyeProjection: "))
+  EXPECT_TRUE(
+      contains(warningsOf(one, "s.json"), "s.json:14: viewport with the projection FisheyeProjection: "))
       << warningsOf(one, "s.json");
   const std::string all = with(one, "\"type\": \"ProjectionPlane\"", "\"type\": \"CylindricalProjection\"");
-  EXPECT_TRUE(contains(errorOf(all, "s.json"),
-                       "s.json:9: the pictures have the projection \"CylindricalProjection\", which shows no flat screen"))
+  EXPECT_TRUE(contains(
+      errorOf(all, "s.json"),
+      "s.json:9: the pictures have the projection \"CylindricalProjection\", which shows no flat screen"))
       << errorOf(all, "s.json");
 }
 
 TEST(ImportSgct, windowsWithoutSizeAndPosition) {
-  const std::string bare = with(with(kSgct, "\"size\": {\"x\": 640, \"y\": 400}, ", ""), "\"pos\": {\"x\": 10, \"y\": 20}, ", "");
+  const std::string bare =
+      with(with(kSgct, "\"size\": {\"x\": 640, \"y\": 400}, ", ""), "\"pos\": {\"x\": 10, \"y\": 20}, ", "");
   const Json wall = imported(bare, "s.json");
   EXPECT_EQ(wall["screens"][0]["tiles"][0]["px"], Json({960, 270}));
   EXPECT_FALSE(wall["screens"][0]["tiles"][0].contains("window_px"));
@@ -136,12 +144,18 @@ TEST(ImportSgct, windowsWithoutSizeAndPosition) {
 }
 
 TEST(ImportSgct, saysWhereAnErrorIs) {
-  EXPECT_TRUE(contains(errorOf(with(kSgct, "\"z\": 4", "\"z\": -4"), "s.json"), "the eye does not stand before the screen screen0"));
-  EXPECT_TRUE(contains(errorOf(with(kSgct, "\"x\": 3, \"y\": 2, \"z\": 0.5", "\"x\": 3, \"y\": 3, \"z\": 0.5"), "s.json"), "no rectangle"));
-  EXPECT_TRUE(contains(errorOf(with(kSgct, "\"lowerleft\"", "\"lowleft\""), "s.json"), "s.json:9: \"projection\" lacks \"lowerleft\""));
-  EXPECT_TRUE(contains(errorOf(with(kSgct, "\"hfov\": 80", "\"hfov\": 180"), "s.json"), "\"hfov\" must be from 0 to 179.98"));
+  EXPECT_TRUE(contains(errorOf(with(kSgct, "\"z\": 4", "\"z\": -4"), "s.json"),
+                       "the eye does not stand before the screen screen0"));
+  EXPECT_TRUE(contains(
+      errorOf(with(kSgct, "\"x\": 3, \"y\": 2, \"z\": 0.5", "\"x\": 3, \"y\": 3, \"z\": 0.5"), "s.json"),
+      "no rectangle"));
+  EXPECT_TRUE(contains(errorOf(with(kSgct, "\"lowerleft\"", "\"lowleft\""), "s.json"),
+                       "s.json:9: \"projection\" lacks \"lowerleft\""));
+  EXPECT_TRUE(contains(errorOf(with(kSgct, "\"hfov\": 80", "\"hfov\": 180"), "s.json"),
+                       "\"hfov\" must be from 0 to 179.98"));
   EXPECT_TRUE(contains(errorOf(with(kSgct, "\"hfov\": 80, ", ""), "s.json"), "field of view is empty"));
-  EXPECT_TRUE(contains(errorOf(with(kSgct, "{\"x\": 0.5, \"y\": 0.25}", "{\"x\": 0, \"y\": 0.25}"), "s.json"), "0 x 100 pixels"));
+  EXPECT_TRUE(contains(errorOf(with(kSgct, "{\"x\": 0.5, \"y\": 0.25}", "{\"x\": 0, \"y\": 0.25}"), "s.json"),
+                       "0 x 100 pixels"));
   EXPECT_TRUE(contains(errorOf(R"({"nodes": []})", "s.json"), "no window with a viewport"));
   EXPECT_TRUE(contains(errorOf(R"({"nodes": 7})", "s.json"), "must be an array"));
 }

@@ -24,7 +24,8 @@ TEST(ImportWall, refusesWhatIsNoWall) {
   EXPECT_TRUE(contains(errorOf("<html/>", "a"), "is XML, but describes no wall"));
   EXPECT_TRUE(contains(errorOf("<Cluster/>", "a"), "SGCT file of the old XML format"));
   EXPECT_TRUE(contains(errorOf("<MPCDI/>", "a"), "inside an MPCDI archive"));
-  EXPECT_TRUE(contains(errorOf(std::string_view("server {\n\0}", 11), "a"), "a:2: the text holds a NUL byte"));
+  EXPECT_TRUE(
+      contains(errorOf(std::string_view("server {\n\0}", 11), "a"), "a:2: the text holds a NUL byte"));
   EXPECT_TRUE(contains(errorOf("\xEF\xBB\xBFserver {}", "a"), "no config")) << "a byte order mark is no text";
 }
 
@@ -40,13 +41,16 @@ TEST(ImportWall, boundsTheSizeOfFiles) {
 }
 
 TEST(ImportWall, boundsTheSizeOfWallsAndWarnings) {
-  std::string tide = R"({"surfaces": [{"displayWidth": 9, "displayHeight": 9}], "processes": [{"screens": [{})";
+  std::string tide =
+      R"({"surfaces": [{"displayWidth": 9, "displayHeight": 9}], "processes": [{"screens": [{})";
   for (int i = 0; i < 50'000; ++i)
     tide += ",{}";
   const Result<ImportedWall> same = importWallText(tide + "]}]}", "t");
   ASSERT_TRUE(same.ok()) << same.error().text();
   EXPECT_LE(same->warnings.size(), 2u);
-  std::string keys = "config { canvas { wall {} segment { channel \"a\" } } node { pipe { window { channel { name \"a\" } } } }\n";
+  std::string keys =
+      "config { canvas { wall {} segment { channel \"a\" } } node { pipe { window { channel { name \"a\" } } "
+      "} }\n";
   for (int i = 0; i < 20'000; ++i)
     keys += "k" + std::to_string(i) + " 1 ";
   const Result<ImportedWall> many = importWallText(keys + "}", "e");
@@ -63,7 +67,8 @@ TEST(ImportWall, hostileNamesStayText) {
   ASSERT_TRUE(wall.ok()) << wall.error().text();
   const Result<JsonDocument> json = JsonDocument::parse(wall->json, "wall");
   ASSERT_TRUE(json.ok()) << json.error().text() << wall->json;
-  EXPECT_EQ(json->root().find("screens")->children()[0].find("tiles")->children()[0].find("name")->string(), "a----");
+  EXPECT_EQ(json->root().find("screens")->children()[0].find("tiles")->children()[0].find("name")->string(),
+            "a----");
 }
 
 TEST(NameMaker, makesEachNameOnce) {
@@ -117,20 +122,23 @@ TEST_F(ForeignWalls, allBecomeWallFilesOrAreRefusedWithAReason) {
     std::string warnings;
     for (const std::string& warning : wall->warnings)
       warnings += warning + '\n';
-    for (const char* word : {"compound", "load_equalizer", "view_equalizer", "monitor_equalizer", "swapbarrier",
-                             "inputframe", "outputframe", "deflect_host", "device", "HMD", "background", "masteraddress"}) {
+    for (const char* word :
+         {"compound", "load_equalizer", "view_equalizer", "monitor_equalizer", "swapbarrier", "inputframe",
+          "outputframe", "deflect_host", "device", "HMD", "background", "masteraddress"}) {
       // Comments begin with #; no value of these files does.
       bool isThere = false;
       for (std::size_t at = text->find(word); at != std::string::npos; at = text->find(word, at + 1)) {
         const std::size_t line = text->rfind('\n', at) + 1;
-        isThere = isThere || std::string_view(*text).substr(line, at - line).find('#') == std::string_view::npos;
+        isThere =
+            isThere || std::string_view(*text).substr(line, at - line).find('#') == std::string_view::npos;
       }
       EXPECT_EQ(contains(warnings, word), isThere) << word << '\n' << warnings;
     }
   }
   EXPECT_GE(count, 29);
   EXPECT_EQ(refused, std::set<std::string>{"sgct/single_fisheye.json"});
-  EXPECT_TRUE(contains(warningsOf("sgct/single_fisheye.json"), "FisheyeProjection")) << warningsOf("sgct/single_fisheye.json");
+  EXPECT_TRUE(contains(warningsOf("sgct/single_fisheye.json"), "FisheyeProjection"))
+      << warningsOf("sgct/single_fisheye.json");
 }
 
 TEST_F(ForeignWalls, countsWhatItLeavesOut) {
@@ -143,8 +151,8 @@ TEST_F(ForeignWalls, countsWhatItLeavesOut) {
 }
 
 TEST_F(ForeignWalls, everyTruncationOfTheLargestIsAnErrorOrAWall) {
-  for (const char* file : {"equalizer/3-window.curved.eqc", "tide/configuration_stereo.json", "sgct/multi_window.json",
-                           "displaycluster/configuration.xml"}) {
+  for (const char* file : {"equalizer/3-window.curved.eqc", "tide/configuration_stereo.json",
+                           "sgct/multi_window.json", "displaycluster/configuration.xml"}) {
     const Result<std::string> text = readFile(folder() / file, 1 << 20);
     ASSERT_TRUE(text.ok());
     for (std::size_t size = 0; size < text->size(); ++size) {
