@@ -82,22 +82,54 @@ Point interpolated(const Field& field, double s, double t) {
   return {mix(0), mix(1)};
 }
 
-/// The plane nearest to the samples beside a vertex, at the vertex; NaN where all of them are holes.
-Point continued(const Field& field, const Axis& across, const Axis& down, std::int32_t column,
-                std::int32_t row) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+/// Whether all samples in the cells beside a vertex are holes.
+bool isAmongHoles(const Field& field, const Axis& across, const Axis& down, std::int32_t column,
+                  std::int32_t row) {
   for (std::int32_t r = down.beginBeside(row); r < down.endBeside(row); ++r) {
     for (std::int32_t c = across.beginBeside(column); c < across.endBeside(column); ++c) {
-      if (field.isHole(c, r)) continue;
-      // In cells from the vertex, so that the sums are well conditioned.
-      const Eigen::Vector3d x(1, (c + 0.5) / field.columns * across.cells - column,
-                              (r + 0.5) / field.rows * down.cells - row);
-      normal += x * x.transpose();
-      right += x * Eigen::RowVector2d(field.at(c, r)[0], field.at(c, r)[1]);
+      if (!field.isHole(c, r)) return false;
     }
   }
-  if (normal(0, 0) == 0) return {kNothing, kNothing};
+  return true;
+}
+
+/// The plane nearest to the samples around a vertex, at the vertex; near ones count more. Beside a ragged
+/// hole a cell may hold a sample or two, which say nothing of the slope: then those further away are asked as
+/// well.
+Point continued(const Field& field, const Axis& across, const Axis& down, std::int32_t column,
+                std::int32_t row) {
+  if (isAmongHoles(field, across, down, column, row)) return {kNothing, kNothing};
+  const double x = static_cast<double>(column) * field.columns / across.cells - 0.5;
+  const double y = static_cast<double>(row) * field.rows / down.cells - 0.5;
+  double reachX = std::max(4.0, static_cast<double>(field.columns) / across.cells);
+  double reachY = std::max(4.0, static_cast<double>(field.rows) / down.cells);
+  Eigen::Matrix3d normal;
+  Eigen::Matrix<double, 3, 2> right;
+  for (int widening = 0;; ++widening, reachX *= 2, reachY *= 2) {
+    normal.setZero();
+    right.setZero();
+    const auto within = [](double at, std::int32_t count) {
+      return static_cast<std::int32_t>(std::clamp(at, 0.0, count - 1.0));
+    };
+    // Of large cells a thousand samples are enough to begin with.
+    const auto stepX = static_cast<std::int32_t>(widening == 0 ? std::max(1.0, reachX / 16) : 1.0);
+    const auto stepY = static_cast<std::int32_t>(widening == 0 ? std::max(1.0, reachY / 16) : 1.0);
+    const std::int32_t lastRow = within(y + reachY, field.rows),
+                       lastColumn = within(x + reachX, field.columns);
+    for (std::int32_t r = within(std::ceil(y - reachY), field.rows); r <= lastRow; r += stepY) {
+      for (std::int32_t c = within(std::ceil(x - reachX), field.columns); c <= lastColumn; c += stepX) {
+        if (field.isHole(c, r)) continue;
+        const Eigen::Vector3d at(1, (c - x) / reachX, (r - y) / reachY);
+        const double weight = 1 / (0.05 + at.tail<2>().squaredNorm());
+        normal += weight * at * at.transpose();
+        right += weight * at * Eigen::RowVector2d(field.at(c, r)[0], field.at(c, r)[1]);
+      }
+    }
+    if (normal(0, 0) == 0) continue;
+    const Eigen::Vector2d mean = normal.block<2, 1>(1, 0) / normal(0, 0);
+    const Eigen::Matrix2d spread = normal.block<2, 2>(1, 1) / normal(0, 0) - mean * mean.transpose();
+    if (widening >= 3 || spread.determinant() > 1e-3 * std::max(1e-3, spread.trace() * spread.trace())) break;
+  }
   // A trace of flatness decides where the samples leave a slope open.
   normal(1, 1) += 1e-9 * normal(0, 0);
   normal(2, 2) += 1e-9 * normal(0, 0);

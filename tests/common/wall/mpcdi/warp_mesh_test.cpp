@@ -141,8 +141,8 @@ TEST(WarpMesh, samplesBesideHolesAreKept) {
   const MpcdiRegion region = regionOf(320, 200, [&](double s, double t) {
     return isHole(s, t) ? std::array{double{kNan}, double{kNan}} : inside(s, t);
   });
-  const WarpMesh mesh = warpMeshOf(region, 0.25);
-  EXPECT_LE(mesh.errorPx, 0.25);
+  const WarpMesh mesh = warpMeshOf(region, 0.05);
+  EXPECT_LE(mesh.errorPx, 0.05);
   EXPECT_NEAR(mesh.errorPx, measuredPx(mesh, region), 1e-5);
   const MpcdiMap alpha = alphaOf(region);
   ASSERT_EQ(alpha.widthPx, 320);
