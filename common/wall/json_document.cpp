@@ -68,7 +68,7 @@ class JsonBuilder {
 
   // The names that follow are nlohmann's SAX interface.
   bool null() { return add(JsonKind::Null); }
-  bool boolean(bool /*value*/) { return add(JsonKind::Boolean); }
+  bool boolean(bool value) { return add(JsonKind::Boolean, value ? 1 : 0); }
   bool number_integer(std::int64_t value) { return add(JsonKind::Number, static_cast<double>(value)); }
   bool number_unsigned(std::uint64_t value) { return add(JsonKind::Number, static_cast<double>(value)); }
   bool number_float(double value, const std::string& /*text*/) { return add(JsonKind::Number, value); }
@@ -214,7 +214,10 @@ std::string_view JsonValue::key() const {
   return document_->view(document_->nodes_[index_].key);
 }
 double JsonValue::number() const {
-  return document_->nodes_[index_].number;
+  return kind() == JsonKind::Number ? document_->nodes_[index_].number : 0;
+}
+bool JsonValue::isTrue() const {
+  return kind() == JsonKind::Boolean && document_->nodes_[index_].number != 0;
 }
 std::string_view JsonValue::string() const {
   return document_->view(document_->nodes_[index_].string);

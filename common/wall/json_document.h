@@ -28,6 +28,8 @@ class JsonValue {
   [[nodiscard]] std::string_view key() const;
   /// A finite number; 0 for other kinds.
   [[nodiscard]] double number() const;
+  /// The truth value "true"; false for other kinds.
+  [[nodiscard]] bool isTrue() const;
   /// UTF-8, may hold any character but NUL; empty for other kinds.
   [[nodiscard]] std::string_view string() const;
   /// Elements of an array, members of an object, in the order of the file.
@@ -67,7 +69,7 @@ class JsonDocument {
     int line = 0, keyLine = 0;
     std::uint32_t end = 0;  ///< index behind the last node of this value
     Slice key;
-    double number = 0;
+    double number = 0;  ///< of a truth value: 1 or 0
     Slice string;
   };
 
