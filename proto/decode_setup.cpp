@@ -81,12 +81,13 @@ std::optional<Warp> warpOf(DecodeCheck& check, const wire::Warp* inBuffer, std::
                      .beta = bytesOrNone(inBuffer->beta()),
                      .maskGamma = within(check, inBuffer->mask_gamma(), 0.1F, 10.0F, "warp.mask_gamma")};
   const auto isSide = [](std::uint32_t vertices) { return vertices >= 2 && vertices <= kMaxWarpSide; };
-  check.require(isSide(warp.columns) && isSide(warp.rows), ProtocolError::BadCount, "warp.columns, warp.rows");
+  check.require(isSide(warp.columns) && isSide(warp.rows), ProtocolError::BadCount,
+                "warp.columns, warp.rows");
   check.require(warp.uv.size() == std::size_t{warp.columns} * warp.rows * kUvBytes, ProtocolError::BadCount,
                 "warp.uv");
   // One run of bytes may not serve as several.
-  check.require(warp.uv.size() + warp.alpha.size() + warp.beta.size() <= payloadBytes, ProtocolError::BadCount,
-                "warp");
+  check.require(warp.uv.size() + warp.alpha.size() + warp.beta.size() <= payloadBytes,
+                ProtocolError::BadCount, "warp");
   checkMasks(check, warp);
   if (check.ok()) checkUv(check, warp.uv);
   return warp;
@@ -99,16 +100,16 @@ Result<TileSetup> decodeTileSetup(std::span<const std::byte> payload) {
   const auto* setup = check.root<wire::TileSetup>(payload);
   if (setup == nullptr) return check.error();
   constexpr double kLeastM = 1e-6;
-  TileSetup decoded{.screenName = check.name(setup->screen_name(), "screen_name", true),
-                    .screenWidthM = within(check, setup->screen_width_m(), kLeastM, kMaxScreenM, "screen_width_m"),
-                    .screenHeightM =
-                        within(check, setup->screen_height_m(), kLeastM, kMaxScreenM, "screen_height_m"),
-                    .cornersM = flatCornersOf(check, setup->corners_m()),
-                    .gainRgb = rgbOf(check, setup->gain(), 4.0F, "gain"),
-                    .blackRgb = rgbOf(check, setup->black(), 1.0F, "black"),
-                    .gamma = within(check, setup->gamma(), 0.5F, 5.0F, "gamma"),
-                    .blendPx = blendOf(check, *setup->blend_px()),
-                    .warp = warpOf(check, setup->warp(), payload.size())};
+  TileSetup decoded{
+      .screenName = check.name(setup->screen_name(), "screen_name", true),
+      .screenWidthM = within(check, setup->screen_width_m(), kLeastM, kMaxScreenM, "screen_width_m"),
+      .screenHeightM = within(check, setup->screen_height_m(), kLeastM, kMaxScreenM, "screen_height_m"),
+      .cornersM = flatCornersOf(check, setup->corners_m()),
+      .gainRgb = rgbOf(check, setup->gain(), 4.0F, "gain"),
+      .blackRgb = rgbOf(check, setup->black(), 1.0F, "black"),
+      .gamma = within(check, setup->gamma(), 0.5F, 5.0F, "gamma"),
+      .blendPx = blendOf(check, *setup->blend_px()),
+      .warp = warpOf(check, setup->warp(), payload.size())};
   return check.finish(std::move(decoded));
 }
 
