@@ -20,8 +20,9 @@ struct EyeView {
   GLenum buffer = GL_NONE;  ///< GL_NONE: the one that is drawn to anyway
 };
 
-/// The pictures of a frame for a tile of this size: one, or in stereo the left and then the right eye's. Fails
-/// where the tile has no room for two, or OpenGL no second buffer for the right eye. Needs a current context.
+/// The pictures of a frame for a tile of this size: one, or in stereo the left and then the right eye's.
+/// Fails where the tile has no room for two, or OpenGL no second buffer for the right eye. Needs a current
+/// context.
 [[nodiscard]] Result<std::vector<EyeView>> eyeViews(const proto::Frame& frame, int widthPx, int heightPx);
 
 }  // namespace tessera

@@ -12,8 +12,8 @@
 
 namespace tessera {
 
-/// Puts pictures made by the processor on the framebuffer. Lives in the context that is current, which must stay
-/// so. Leaves the state of OpenGL as it was.
+/// Puts pictures made by the processor on the framebuffer. Lives in the context that is current, which must
+/// stay so. Leaves the state of OpenGL as it was.
 class GlPicture {
  public:
   /// Keeps `gl`.
@@ -22,8 +22,8 @@ class GlPicture {
   /// What draw() shows from now on. Fails where it is larger than a texture may be.
   [[nodiscard]] Status upload(const Picture& picture);
 
-  /// Fills `area` with the picture: pixel by pixel where it has the same size, else smoothed. `opacity` is that of
-  /// black; what is brighter covers more, white all.
+  /// Fills `area` with the picture: pixel by pixel where it has the same size, else smoothed. `opacity` is
+  /// that of black; what is brighter covers more, white all.
   void draw(const PixelArea& area, float opacity = 1) const;
 
  private:

@@ -11,8 +11,8 @@ struct PixelArea {
 };
 
 /// For drawing beside OpenSceneGraph: while it lives, the state of OpenGL is one that just paints (no depth
-/// test, no blending, texture unit 0, no program, no buffers). After it the state is what it was, so that what
-/// OpenSceneGraph remembers of it stays true.
+/// test, no blending, texture unit 0, no program, no buffers). After it the state is what it was, so that
+/// what OpenSceneGraph remembers of it stays true.
 class GlScope {
  public:
   explicit GlScope(const osg::GLExtensions& gl);

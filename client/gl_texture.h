@@ -4,8 +4,8 @@
 
 namespace tessera {
 
-/// A two-dimensional texture of the context that is current, and stays so while it lives: clamped to its edges,
-/// without mip maps, empty at first. All members but the destructor bind it to the active unit.
+/// A two-dimensional texture of the context that is current, and stays so while it lives: clamped to its
+/// edges, without mip maps, empty at first. All members but the destructor bind it to the active unit.
 class GlTexture {
  public:
   /// `filter`: GL_NEAREST or GL_LINEAR.

@@ -122,7 +122,8 @@ float clipAt(std::size_t i, std::size_t count) {
 }
 
 /// One row of cells as strips, which end at cells with a vertex that is a hole.
-void drawRow(std::span<const MeshVertex> upper, std::span<const MeshVertex> lower, float upperY, float lowerY) {
+void drawRow(std::span<const MeshVertex> upper, std::span<const MeshVertex> lower, float upperY,
+             float lowerY) {
   const auto isHole = [&](std::size_t i) { return upper[i].isHole() || lower[i].isHole(); };
   for (std::size_t first = 0; first < upper.size();) {
     std::size_t last = first;
@@ -185,6 +186,8 @@ Result<std::unique_ptr<OutputPass>> OutputPass::make(const osg::GLExtensions& gl
   }
   std::unique_ptr<OutputPass> pass(new OutputPass(gl, setup, widthPx, heightPx));
   pass->picture_.bind();
+  // As the framebuffer has them: without the fourth channel OSMesa converts every pixel, at three times the
+  // cost.
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, widthPx, heightPx, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
   if (hasMasks(setup)) {
     if (Status status = pass->makeMasks(*setup.warp); !status) return status.error();

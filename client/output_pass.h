@@ -22,8 +22,8 @@ namespace tessera {
 ///   out = black + (1 - black) * encoded * (gain * ramps * alpha ^ maskGamma) ^ (1 / gamma)
 ///
 /// which is exact where the factor is 1. A ramp at t = distance from its edge / its width is 3t^2 - 2t^3. Two
-/// tiles that overlap see one point at t and at 1 - t, and these ramps sum to 1. The distances are those of the
-/// drawn picture, so ramps of a warped picture meet as well.
+/// tiles that overlap see one point at t and at 1 - t, and these ramps sum to 1. The distances are those of
+/// the drawn picture, so ramps of a warped picture meet as well.
 ///
 /// Black is lifted so because it must not clip (a maximum would drown the darkest shades) and white must stay
 /// white. `blackRgb` lifts only outside of the ramps: in an overlap the black light of several projectors

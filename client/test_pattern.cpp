@@ -16,7 +16,8 @@ namespace {
 using Mat2 = Eigen::Matrix2d;
 
 constexpr Rgb8 kGround = {20, 20, 24}, kThin = {78, 78, 86}, kBold = {190, 190, 190};
-constexpr Rgb8 kDiagonal = {60, 150, 200}, kCircle = {230, 190, 60}, kWhite = {255, 255, 255}, kBlack = {0, 0, 0};
+constexpr Rgb8 kDiagonal = {60, 150, 200}, kCircle = {230, 190, 60}, kWhite = {255, 255, 255},
+               kBlack = {0, 0, 0};
 constexpr double kThinPx = 1.5, kBoldPx = 2.5;
 constexpr double kLinesOnShortSide = 20;
 
@@ -169,8 +170,7 @@ void drawUpArrow(Picture& picture, const TilePlace& tile, double xPx, double yPx
       const double along = from.dot(up), across = std::abs(from.dot(side));
       const double toTip = lengthPx / 2 - along;
       const double head = std::min(0.5 + (toTip * 0.8 - across) / std::hypot(1, 0.8), along + 0.5);
-      const double shaft =
-          std::min({lengthPx / 8 - across + 0.5, along + lengthPx / 2 + 0.5, 0.5 - along});
+      const double shaft = std::min({lengthPx / 8 - across + 0.5, along + lengthPx / 2 + 0.5, 0.5 - along});
       const double covered = std::clamp(std::max(head, shaft), 0.0, 1.0);
       if (covered > 0) blend(pixelAt(picture, x, y), kWhite, covered);
     }

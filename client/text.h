@@ -10,8 +10,8 @@
 namespace tessera {
 
 // Text in pictures with a font of our own: ASCII, 5 x 7 pixels, in whole multiples. Any other character is
-// drawn as a question mark. Positions are in pixels from the picture's upper left corner; what lies outside of
-// the picture is cut off.
+// drawn as a question mark. Positions are in pixels from the picture's upper left corner; what lies outside
+// of the picture is cut off.
 
 using Rgb8 = std::array<std::uint8_t, 3>;
 
@@ -21,8 +21,8 @@ inline constexpr int kCharacterWidthPx = 6;
 /// The pixel at (x, y), which must lie inside.
 [[nodiscard]] inline Rgb8& pixelAt(Picture& picture, int x, int y) {
   static_assert(sizeof(Rgb8) == 3);
-  const std::size_t index = static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.widthPx) +
-                            static_cast<std::size_t>(x);
+  const std::size_t index =
+      static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.widthPx) + static_cast<std::size_t>(x);
   return reinterpret_cast<Rgb8*>(picture.rgb.data())[index];
 }
 

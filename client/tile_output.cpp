@@ -25,8 +25,8 @@ TilePlace placeOf(const proto::Welcome& welcome) {
   return place;
 }
 
-/// The part of `area` in which a picture lies that would be `widthPx` x `heightPx` large in the upper left of a whole
-/// picture. The area is a whole picture or one that was squeezed into half.
+/// The part of `area` in which a picture lies that would be `widthPx` x `heightPx` large in the upper left of
+/// a whole picture. The area is a whole picture or one that was squeezed into half.
 PixelArea upperLeftOf(const PixelArea& area, const TilePlace& whole, int widthPx, int heightPx) {
   const int width = std::max(1, widthPx * area.widthPx / whole.widthPx);
   const int height = std::max(1, heightPx * area.heightPx / whole.heightPx);

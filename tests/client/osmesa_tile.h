@@ -147,7 +147,9 @@ inline Picture drawn(int widthPx, int heightPx, const proto::TileSetup& setup,
 
 inline int channelAt(const Picture& picture, int x, int y, int channel) {
   const auto index = (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.widthPx) +
-                      static_cast<std::size_t>(x)) * 3 + static_cast<std::size_t>(channel);
+                      static_cast<std::size_t>(x)) *
+                         3 +
+                     static_cast<std::size_t>(channel);
   return picture.rgb[index];
 }
 

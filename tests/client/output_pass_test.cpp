@@ -107,7 +107,8 @@ TEST(OutputPass, EveryFrameGivesTheSamePicture) {
   OsMesaTile tile(kWidthPx, kHeightPx);
   const Picture before = tile.draw(testFrame());
   WarpMaker maker(9, 9, [](float x, float y) { return Eigen::Vector2f(x * x, 1 - y); });
-  maker.masks(40, 30, [](int x, int) { return x / 39.0; }, [](int, int y) { return y / 90.0; });
+  maker.masks(
+      40, 30, [](int x, int) { return x / 39.0; }, [](int, int y) { return y / 90.0; });
   proto::TileSetup setup = maker.setup();
   setup.blendPx = {20, 10, 5, 3};
   setup.gainRgb = {0.5F, 1, 2};
@@ -124,8 +125,7 @@ TEST(OutputPass, EveryFrameGivesTheSamePicture) {
 TEST(OutputPass, GainIsAFactorOfLight) {
   const Picture before = plain();
   for (const float gamma : {1.0F, 2.2F}) {
-    const Picture after =
-        drawn(kWidthPx, kHeightPx, {.gainRgb = {0.5F, 1, 2}, .gamma = gamma});
+    const Picture after = drawn(kWidthPx, kHeightPx, {.gainRgb = {0.5F, 1, 2}, .gamma = gamma});
     const double gains[] = {0.5, 1, 2};
     EXPECT_LE(largestDifference(after,
                                 [&](int x, int y, int c) {
@@ -139,8 +139,7 @@ TEST(OutputPass, GainIsAFactorOfLight) {
 
 TEST(OutputPass, BlackIsLiftedAndWhiteStaysWhite) {
   const Picture before = plain();
-  const Picture after =
-      drawn(kWidthPx, kHeightPx, {.blackRgb = {0.1F, 0, 0.05F}, .blendPx = {30, 0, 0, 0}});
+  const Picture after = drawn(kWidthPx, kHeightPx, {.blackRgb = {0.1F, 0, 0.05F}, .blendPx = {30, 0, 0, 0}});
   const double black[] = {0.1, 0, 0.05};
   const auto expected = [&](int x, int y, int c) {
     const double encoded = channelAt(before, x, y, c) / 255.0;
@@ -182,8 +181,8 @@ TEST(OutputPass, BlendedTilesSumToThePlainPicture) {
       for (const int fromTopPx : {0, 80}) {
         const proto::TileSetup setup = {
             .gamma = gamma,
-            .blendPx = {fromPx > 0 ? kOverX : 0.0F, fromPx > 0 ? 0.0F : kOverX,
-                        fromTopPx > 0 ? 0.0F : kOverY, fromTopPx > 0 ? kOverY : 0.0F}};
+            .blendPx = {fromPx > 0 ? kOverX : 0.0F, fromPx > 0 ? 0.0F : kOverX, fromTopPx > 0 ? 0.0F : kOverY,
+                        fromTopPx > 0 ? kOverY : 0.0F}};
         const Picture blended = partOfWall(fromPx, fromTopPx, setup);
         const Picture whole = partOfWall(fromPx, fromTopPx, {});
         for (int y = 0; y < kHeightPx; ++y) {
@@ -213,8 +212,8 @@ TEST(OutputPass, TwoBlendedTilesSumWithinOneStep) {
   for (int y = 0; y < kHeightPx; ++y) {
     for (int x = 0; x < 80; ++x) {
       for (int c = 0; c < 3; ++c) {
-        const double light = std::pow(channelAt(a, 80 + x, y, c) / 255.0, 2.2) +
-                             std::pow(channelAt(b, x, y, c) / 255.0, 2.2);
+        const double light =
+            std::pow(channelAt(a, 80 + x, y, c) / 255.0, 2.2) + std::pow(channelAt(b, x, y, c) / 255.0, 2.2);
         largest = std::max(largest, std::abs(255 * std::pow(light, 1 / 2.2) - channelAt(whole, x, y, c)));
         isDimmed |= channelAt(b, x, y, c) + 50 < channelAt(whole, x, y, c);
       }
@@ -234,9 +233,10 @@ TEST(OutputPass, AMeshThatChangesNothingChangesNothing) {
 
 TEST(OutputPass, AShiftedMeshShiftsThePixels) {
   const Picture before = plain();
-  const Picture after = drawn(kWidthPx, kHeightPx, WarpMaker(7, 4, [](float x, float y) {
-                                return Eigen::Vector2f(x + 10.0F / kWidthPx, y - 5.0F / kHeightPx);
-                              }).setup());
+  const Picture after =
+      drawn(kWidthPx, kHeightPx, WarpMaker(7, 4, [](float x, float y) {
+                                   return Eigen::Vector2f(x + 10.0F / kWidthPx, y - 5.0F / kHeightPx);
+                                 }).setup());
   EXPECT_EQ(largestDifference(after,
                               [&](int x, int y, int c) {
                                 const bool isInside = x + 10 < kWidthPx && y >= 5;
@@ -247,15 +247,15 @@ TEST(OutputPass, AShiftedMeshShiftsThePixels) {
 
 TEST(OutputPass, AMirroredMeshMirrorsThePixels) {
   const Picture before = plain();
-  const Picture across = drawn(kWidthPx, kHeightPx, WarpMaker(6, 6, [](float x, float y) {
-                                 return Eigen::Vector2f(1 - x, y);
-                               }).setup());
-  EXPECT_EQ(largestDifference(
-                across, [&](int x, int y, int c) { return channelAt(before, kWidthPx - 1 - x, y, c); }),
+  const Picture across =
+      drawn(kWidthPx, kHeightPx,
+            WarpMaker(6, 6, [](float x, float y) { return Eigen::Vector2f(1 - x, y); }).setup());
+  EXPECT_EQ(largestDifference(across,
+                              [&](int x, int y, int c) { return channelAt(before, kWidthPx - 1 - x, y, c); }),
             0);
-  const Picture down = drawn(kWidthPx, kHeightPx, WarpMaker(6, 6, [](float x, float y) {
-                               return Eigen::Vector2f(x, 1 - y);
-                             }).setup());
+  const Picture down =
+      drawn(kWidthPx, kHeightPx,
+            WarpMaker(6, 6, [](float x, float y) { return Eigen::Vector2f(x, 1 - y); }).setup());
   EXPECT_EQ(largestDifference(
                 down, [&](int x, int y, int c) { return channelAt(before, x, kHeightPx - 1 - y, c); }),
             0);
@@ -264,11 +264,12 @@ TEST(OutputPass, AMirroredMeshMirrorsThePixels) {
 TEST(OutputPass, AVertexThatIsNotANumberLeavesAHole) {
   const Picture before = plain();
   // Cells of 20 x 20 pixels; the vertex at (60, 40) is missing, so are the four cells around it.
-  const Picture after = drawn(kWidthPx, kHeightPx, WarpMaker(9, 7, [](float x, float y) {
-                                const bool isHole = std::lround(x * 8) == 3 && std::lround(y * 6) == 2;
-                                constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-                                return Eigen::Vector2f(isHole ? kNaN : x, y);
-                              }).setup());
+  const Picture after =
+      drawn(kWidthPx, kHeightPx, WarpMaker(9, 7, [](float x, float y) {
+                                   const bool isHole = std::lround(x * 8) == 3 && std::lround(y * 6) == 2;
+                                   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+                                   return Eigen::Vector2f(isHole ? kNaN : x, y);
+                                 }).setup());
   EXPECT_LE(largestDifference(after,
                               [&](int x, int y, int c) {
                                 const bool isHole = x >= 40 && x < 80 && y >= 20 && y < 60;
@@ -306,8 +307,7 @@ TEST(OutputPass, MasksKeepTheirSixteenBits) {
   const Picture before = plain(), after = drawn(kWidthPx, kHeightPx, setup);
   EXPECT_LE(largestDifference(after,
                               [&](int x, int y, int c) {
-                                return channelAt(before, x, y, c) *
-                                       std::pow(4 * (0.004 + x * 1e-4), 1 / 2.2);
+                                return channelAt(before, x, y, c) * std::pow(4 * (0.004 + x * 1e-4), 1 / 2.2);
                               }),
             1);
 }
@@ -320,7 +320,8 @@ TEST(OutputPass, TexturesThatOpenGlDoesNotHaveAreOneError) {
   setup.warp->maskWidthPx = 1U << 20U;
   const Status status = tile.configure(setup);
   ASSERT_FALSE(status.ok());
-  EXPECT_NE(status.error().text().find("no textures larger than"), std::string::npos) << status.error().text();
+  EXPECT_NE(status.error().text().find("no textures larger than"), std::string::npos)
+      << status.error().text();
 }
 
 // Not judged: the cost is a number for docs/figures.md.
@@ -334,8 +335,8 @@ TEST(OutputPass, TellsItsCostAtFullHd) {
       const auto start = std::chrono::steady_clock::now();
       EXPECT_TRUE(tile.tryDraw(testFrame()).ok());
       glFinish();
-      best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-                                .count());
+      best = std::min(
+          best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     }
     return best;
   };
@@ -344,8 +345,10 @@ TEST(OutputPass, TellsItsCostAtFullHd) {
   WarpMaker small(33, 33, identity), large(480, 270, identity);
   small.masks(1920, 1080, [](int, int) { return 0.5; });
   const proto::TileSetup warp = small.setup(), dense = large.setup();
-  std::printf("scene %.1f ms; with blending and gain +%.1f ms; warp of 33x33 with mask +%.1f ms; of 480x270 +%.1f ms\n",
-              without, msOf(&blend) - without, msOf(&warp) - without, msOf(&dense) - without);
+  std::printf(
+      "scene %.1f ms; with blending and gain +%.1f ms; warp of 33x33 with mask +%.1f ms; of 480x270 +%.1f "
+      "ms\n",
+      without, msOf(&blend) - without, msOf(&warp) - without, msOf(&dense) - without);
 }
 
 }  // namespace
