@@ -19,12 +19,13 @@ OverlayFacts facts() {
 
 TEST(Overlay, SaysWhatItIsTold) {
   EXPECT_EQ(overlayLines(facts()),
-            (std::vector<std::string>{"r0c1", "59.9 frames/s", "1234 leaves drawn", "5678 leaves, 90 assets kept",
-                                      "12.3 MB received", "skew 0.4 ms"}));
+            (std::vector<std::string>{"r0c1", "59.9 frames/s", "1234 leaves drawn",
+                                      "5678 leaves, 90 assets kept", "12.3 MB received", "skew 0.4 ms"}));
 }
 
 TEST(Overlay, GrowsWithThePicture) {
-  const Picture small = overlayPicture(overlayLines(facts()), 300), large = overlayPicture(overlayLines(facts()), 1080);
+  const Picture small = overlayPicture(overlayLines(facts()), 300),
+                large = overlayPicture(overlayLines(facts()), 1080);
   EXPECT_EQ(large.widthPx, 2 * small.widthPx);
   EXPECT_EQ(large.heightPx, 2 * small.heightPx);
   EXPECT_EQ(coloursIn(small), 3U) << "ground, name, the other lines";

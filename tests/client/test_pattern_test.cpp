@@ -16,13 +16,15 @@ namespace {
 
 int brightnessAt(const Picture& picture, int x, int y) {
   const auto at = (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.widthPx) +
-                   static_cast<std::size_t>(x)) * 3;
+                   static_cast<std::size_t>(x)) *
+                  3;
   return picture.rgb[at] + picture.rgb[at + 1] + picture.rgb[at + 2];
 }
 
 Rgb8 colourAt(const Picture& picture, int x, int y) {
   const auto at = (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.widthPx) +
-                   static_cast<std::size_t>(x)) * 3;
+                   static_cast<std::size_t>(x)) *
+                  3;
   return {picture.rgb[at], picture.rgb[at + 1], picture.rgb[at + 2]};
 }
 
@@ -54,8 +56,8 @@ TilePlace turnedTile() {
   return tile;
 }
 
-/// Where along a straight run of pixels the picture is brighter than the ground, as the middles of what is bright.
-/// In pixels from the run's start; `count` pixels by (dx, dy) from (x, y).
+/// Where along a straight run of pixels the picture is brighter than the ground, as the middles of what is
+/// bright. In pixels from the run's start; `count` pixels by (dx, dy) from (x, y).
 std::vector<double> linesAlong(const Picture& picture, int x, int y, int dx, int dy, int count) {
   std::vector<double> middles;
   double weight = 0, moment = 0;
@@ -77,7 +79,8 @@ std::vector<double> linesAlong(const Picture& picture, int x, int y, int dx, int
 void expectGridAlong(const TilePlace& tile, const Picture& picture, int x, int y, int dx, int dy, int count) {
   const double spacing = gridSpacingM(tile.screenWidthM, tile.screenHeightM);
   const std::vector<double> lines = linesAlong(picture, x, y, dx, dy, count);
-  const Vec2 from = tile.onScreen(x, y + 0.5 * std::abs(dx)), to = tile.onScreen(x + dx * count, y + dy * count);
+  const Vec2 from = tile.onScreen(x, y + 0.5 * std::abs(dx)),
+             to = tile.onScreen(x + dx * count, y + dy * count);
   const int axis = std::abs(to.x() - from.x()) > std::abs(to.y() - from.y()) ? 0 : 1;
   const double metresPerPixel = (to[axis] - from[axis]) / count;
   int found = 0;
@@ -129,8 +132,8 @@ TEST(Pattern, LinesLieAtTheSameMetresOnAllTiles) {
   }
 }
 
-/// Sum over the pixels in reach of how far from a circle's yellow they are is too clever: a pixel on the circle must
-/// be yellowish on every tile that it crosses.
+/// Sum over the pixels in reach of how far from a circle's yellow they are is too clever: a pixel on the
+/// circle must be yellowish on every tile that it crosses.
 TEST(Pattern, CirclesGoOnAcrossTheBezel) {
   int checked = 0;
   for (const TilePlace& tile : {leftTile(), rightTile(), turnedTile()}) {
@@ -142,7 +145,8 @@ TEST(Pattern, CirclesGoOnAcrossTheBezel) {
         const Vec2 at = Vec2(2, 1.1) + radius * Vec2(std::cos(angle), std::sin(angle)) - tile.cornersM[0];
         const int x = static_cast<int>(std::floor(at.dot(right) / right.squaredNorm()));
         const int y = tile.heightPx - 1 - static_cast<int>(std::floor(at.dot(up) / up.squaredNorm()));
-        const bool isFree = x > 2 && x < tile.widthPx - 3 && y > tile.heightPx / 5 && y < tile.heightPx * 3 / 4;
+        const bool isFree =
+            x > 2 && x < tile.widthPx - 3 && y > tile.heightPx / 5 && y < tile.heightPx * 3 / 4;
         if (!isFree) continue;
         const Rgb8 colour = colourAt(picture, x, y);
         EXPECT_GT(colour[0], colour[2] + 60) << tile.tileName << " " << x << " " << y;
@@ -200,8 +204,8 @@ TEST(Pattern, TellsTilesApart) {
   EXPECT_EQ(identifyPattern(a).rgb, identifyPattern(a).rgb);
 }
 
-/// The middle of the white pixels in the part of the picture where the arrow is: it has more of its area at its tip's
-/// side... its head is wider than its shaft.
+/// The middle of the white pixels in the part of the picture where the arrow is: it has more of its area at
+/// its tip's side... its head is wider than its shaft.
 TEST(Pattern, TheArrowPointsToTheScreensTop) {
   const auto widthsOf = [](const TilePlace& tile, const Vec2& direction) {
     // White pixels in the half before and behind the arrow's middle.
@@ -209,7 +213,8 @@ TEST(Pattern, TheArrowPointsToTheScreensTop) {
     const Vec2 middle(tile.widthPx / 2.0, tile.heightPx * 0.17);
     const int reach = tile.heightPx / 6;
     std::array<int, 2> counts = {0, 0};
-    for (int y = static_cast<int>(middle.y()) - reach + 2; y < static_cast<int>(middle.y()) + reach - 2; ++y) {
+    for (int y = static_cast<int>(middle.y()) - reach + 2; y < static_cast<int>(middle.y()) + reach - 2;
+         ++y) {
       for (int x = static_cast<int>(middle.x()) - reach; x < static_cast<int>(middle.x()) + reach; ++x) {
         if (x < 0 || y < 2 || brightnessAt(picture, x, y) < 3 * 250) continue;
         ++counts[(Vec2(x + 0.5, y + 0.5) - middle).dot(direction) > 0 ? 0 : 1];
@@ -249,8 +254,9 @@ std::vector<std::string> rowsOf(const Picture& picture) {
 TEST(Text, IsDrawnPixelByPixel) {
   Picture picture(11, 7);
   drawText(picture, 0, 0, "L7", {255, 255, 255}, 1);
-  EXPECT_EQ(rowsOf(picture), (std::vector<std::string>{"#.....#####", "#.........#", "#........#.", "#.......#..",
-                                                       "#......#...", "#......#...", "#####..#..."}));
+  EXPECT_EQ(rowsOf(picture),
+            (std::vector<std::string>{"#.....#####", "#.........#", "#........#.", "#.......#..",
+                                      "#......#...", "#......#...", "#####..#..."}));
 }
 
 TEST(Text, GrowsInWholeSteps) {
