@@ -169,10 +169,7 @@ Status TileView::draw(const proto::Frame& frame, const OverlayFacts& facts) {
   const auto views = eyeViews(frame, window_.widthPx, window_.heightPx);
   if (!views) return views.error();
   for (const EyeView& view : *views) {
-    if (view.buffer != GL_NONE) {
-      glDrawBuffer(view.buffer);
-      glReadBuffer(view.buffer);
-    }
+    selectBuffer(view.buffer);
     if (frame.pattern == proto::Pattern::None) {
       drawScene(frame, view);
     } else if (Status status = output_->drawPattern(frame.pattern, view.area); !status) {
@@ -185,11 +182,21 @@ Status TileView::draw(const proto::Frame& frame, const OverlayFacts& facts) {
   return Done{};
 }
 
-/// The buffer that is drawn to, and what is cleared of it: OpenSceneGraph clears the whole viewport, which
+void TileView::selectBuffer(GLenum buffer) {
+  // After frames with a buffer for each eye, one picture is for both.
+  if (buffer == GL_NONE && buffer_ != GL_NONE) buffer = GL_BACK;
+  if (buffer == buffer_) return;
+  buffer_ = buffer;
+  glDrawBuffer(buffer);
+  glReadBuffer(buffer);
+  viewer_.getCamera()->setDrawBuffer(buffer);
+  viewer_.getCamera()->setReadBuffer(buffer);
+}
+
+/// What is drawn to, and cleared before: OpenSceneGraph clears the whole viewport, which
 /// may be the wall's, so for half a window this is done here.
 void TileView::setTarget(const EyeView& view) {
   osg::Camera& camera = *viewer_.getCamera();
-  if (view.buffer != GL_NONE) camera.setDrawBuffer(view.buffer);
   const bool isWhole = fillsWindow(view.area);
   camera.setClearMask(isWhole ? GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT : 0);
   osg::StateSet& state = *leaves_->getStateSet();

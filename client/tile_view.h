@@ -49,6 +49,7 @@ class TileView {
     int wallWidthPx, wallHeightPx;
   };
   void drawScene(const proto::Frame& frame, const EyeView& view);
+  void selectBuffer(GLenum buffer);
   void setTarget(const EyeView& view);
   void setProjection(const proto::Frame& frame, const EyeView& view, const Mat3& rotation);
   [[nodiscard]] bool fillsWindow(const PixelArea& area) const;
@@ -57,6 +58,7 @@ class TileView {
   bool wallViewportFits_ = false;
   osg::ref_ptr<LeafListNode> leaves_;
   osgViewer::Viewer viewer_;
+  GLenum buffer_ = GL_NONE;             ///< GL_NONE: the context's own choice
   osg::ref_ptr<osg::Scissor> scissor_;  ///< of the eye's area; set where that is not the whole window
   std::optional<TileOutput> output_;
 };

@@ -132,8 +132,7 @@ TEST(Pattern, LinesLieAtTheSameMetresOnAllTiles) {
   }
 }
 
-/// Sum over the pixels in reach of how far from a circle's yellow they are is too clever: a pixel on the
-/// circle must be yellowish on every tile that it crosses.
+// A pixel on a circle is yellowish on every tile that the circle crosses.
 TEST(Pattern, CirclesGoOnAcrossTheBezel) {
   int checked = 0;
   for (const TilePlace& tile : {leftTile(), rightTile(), turnedTile()}) {
@@ -204,8 +203,7 @@ TEST(Pattern, TellsTilesApart) {
   EXPECT_EQ(identifyPattern(a).rgb, identifyPattern(a).rgb);
 }
 
-/// The middle of the white pixels in the part of the picture where the arrow is: it has more of its area at
-/// its tip's side... its head is wider than its shaft.
+// Its head is wider than its shaft.
 TEST(Pattern, TheArrowPointsToTheScreensTop) {
   const auto widthsOf = [](const TilePlace& tile, const Vec2& direction) {
     // White pixels in the half before and behind the arrow's middle.
