@@ -45,6 +45,8 @@ class TileCache {
   /// Null: not here.
   [[nodiscard]] const CachedLeaf* find(std::uint32_t leaf) const;
   [[nodiscard]] bool has(std::uint32_t leaf) const { return leaves_.contains(leaf); }
+  [[nodiscard]] std::size_t leafCount() const { return leaves_.size(); }
+  [[nodiscard]] std::size_t assetCount() const { return drawables_.size() + states_.size() + images_.size(); }
 
  private:
   [[nodiscard]] Status addAsset(const proto::Asset& asset);

@@ -53,6 +53,7 @@ class TileConversation {
     while (!over_) {
       auto message = co_await master_->read(proto::Expect::FromMaster, idle);
       if (!message) co_return message.error();
+      bytesReceived_ += proto::kHeaderBytes + message->payload.size();
       auto decoded = proto::decode(message->type, message->payload);
       Status status = decoded ? std::visit([this](const auto& m) { return handle(m); }, *decoded)
                               : Status(decoded.error());
@@ -70,6 +71,13 @@ class TileConversation {
 
   Status handle(const proto::Assets& message) { return cache_.add(message); }
   Status handle(const proto::Leaves& message) { return cache_.add(message, welcome_.leafCount); }
+
+  Status handle(const proto::TileSetup& setup) {
+    if (hasSetup_ || frame_ != 0)
+      return runtimeError("TileSetup", hasSetup_ ? "comes a second time" : "comes after a frame");
+    hasSetup_ = true;
+    return view_ ? view_->configure(setup) : Done{};
+  }
 
   Status handle(const proto::Frame& frame) {
     if (frame.frame <= frame_)
@@ -98,7 +106,7 @@ class TileConversation {
     const std::int64_t start = monotonicNs();
     if (view_) {
       if (frame.toggles.size() > 1) view_->setList(list_, cache_);
-      view_->draw(frame);
+      if (Status status = view_->draw(frame, factsOf(frame)); !status) return status;
       surface_->present();
     }
     const auto drawUs = static_cast<std::uint32_t>((monotonicNs() - start) / 1000);
@@ -107,11 +115,23 @@ class TileConversation {
     return Done{};
   }
 
+  [[nodiscard]] OverlayFacts factsOf(const proto::Frame& frame) const {
+    if (!frame.overlay) return {};
+    return {.tileName = welcome_.tileName,
+            .framesPerS = rate_.framesPerS(),
+            .drawnLeaves = frame.listLeafCount,
+            .bytesReceived = bytesReceived_,
+            .keptLeaves = cache_.leafCount(),
+            .keptAssets = cache_.assetCount(),
+            .skewUs = frame.skewUs};
+  }
+
   Status handle(const proto::Swap& swap) {
     if (!isReady_ || swap.frame != frame_) return Done{};  // of a frame that we never had
     isReady_ = false;
     ++framesShown_;
     proto::Shown shown{.frame = frame_, .shownNs = monotonicNs(), .picture = std::nullopt};
+    rate_.shown(shown.shownNs);
     std::vector<std::uint8_t> rgb;
     if (wantPicture_ && surface_ && welcome_.picture == proto::PictureFormat::RawRgb8) {
       rgb = surface_->readPicture();
@@ -151,7 +171,9 @@ class TileConversation {
   TileCache cache_;
   std::optional<TileView> view_;
   VisibleList list_, nextList_, toggled_;
-  std::uint64_t frame_ = 0, framesShown_ = 0;
+  FrameRate rate_;
+  std::uint64_t frame_ = 0, framesShown_ = 0, bytesReceived_ = 0;
+  bool hasSetup_ = false;
   bool isReady_ = false, wantPicture_ = false, over_ = false;
 };
 

@@ -1,6 +1,8 @@
 #include "client/tile_view.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include <Eigen/Geometry>
@@ -142,14 +144,11 @@ TileView::TileView(const proto::Welcome& welcome)
   camera.setViewMatrix(osg::Matrixd::identity());
   GLint limits[2] = {0, 0};
   glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limits);
-  drawsWallViewport_ = window_.wallWidthPx <= limits[0] && window_.wallHeightPx <= limits[1];
-  if (drawsWallViewport_) {
-    // OpenGL counts rows from below.
-    camera.setViewport(-window_.xPx, -(window_.wallHeightPx - window_.yPx - window_.heightPx),
-                       window_.wallWidthPx, window_.wallHeightPx);
-  }
+  wallViewportFits_ = window_.wallWidthPx <= limits[0] && window_.wallHeightPx <= limits[1];
   viewer_.setSceneData(leaves_);
   viewer_.realize();
+  const unsigned int context = camera.getGraphicsContext()->getState()->getContextID();
+  output_.emplace(welcome, osg::GLExtensions::Get(context, true));
 }
 
 TileView::~TileView() = default;
@@ -158,25 +157,100 @@ void TileView::setList(const VisibleList& list, const TileCache& cache) {
   leaves_->setList(list, cache);
 }
 
-void TileView::draw(const proto::Frame& frame) {
+Status TileView::configure(const proto::TileSetup& setup) {
+  return output_->configure(setup);
+}
+
+bool TileView::fillsWindow(const PixelArea& area) const {
+  return area == PixelArea{0, 0, window_.widthPx, window_.heightPx};
+}
+
+Status TileView::draw(const proto::Frame& frame, const OverlayFacts& facts) {
+  const auto views = eyeViews(frame, window_.widthPx, window_.heightPx);
+  if (!views) return views.error();
+  for (const EyeView& view : *views) {
+    selectBuffer(view.buffer);
+    if (frame.pattern == proto::Pattern::None) {
+      drawScene(frame, view);
+    } else if (Status status = output_->drawPattern(frame.pattern, view.area); !status) {
+      return status;
+    }
+    output_->correct(view.area);
+    if (!frame.overlay) continue;
+    if (Status status = output_->drawOverlay(facts, view.area); !status) return status;
+  }
+  return Done{};
+}
+
+void TileView::selectBuffer(GLenum buffer) {
+  // After frames with a buffer for each eye, one picture is for both.
+  if (buffer == GL_NONE && buffer_ != GL_NONE) buffer = GL_BACK;
+  if (buffer == buffer_) return;
+  buffer_ = buffer;
+  glDrawBuffer(buffer);
+  glReadBuffer(buffer);
+  viewer_.getCamera()->setDrawBuffer(buffer);
+  viewer_.getCamera()->setReadBuffer(buffer);
+}
+
+/// What is drawn to, and cleared before: OpenSceneGraph clears the whole viewport, which
+/// may be the wall's, so for half a window this is done here.
+void TileView::setTarget(const EyeView& view) {
+  osg::Camera& camera = *viewer_.getCamera();
+  const bool isWhole = fillsWindow(view.area);
+  camera.setClearMask(isWhole ? GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT : 0);
+  osg::StateSet& state = *leaves_->getStateSet();
+  if (isWhole) {
+    if (scissor_) state.removeAttribute(scissor_);
+    scissor_ = nullptr;
+    return;
+  }
+  scissor_ = new osg::Scissor(view.area.xPx, view.area.yPx, view.area.widthPx, view.area.heightPx);
+  state.setAttributeAndModes(scissor_);
+  glPushAttrib(GL_ALL_ATTRIB_BITS);
+  glScissor(view.area.xPx, view.area.yPx, view.area.widthPx, view.area.heightPx);
+  glEnable(GL_SCISSOR_TEST);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthMask(GL_TRUE);
+  const osg::Vec4 colour = camera.getClearColor();
+  glClearColor(colour.r(), colour.g(), colour.b(), colour.a());
+  glClearDepth(1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glPopAttrib();
+}
+
+void TileView::drawScene(const proto::Frame& frame, const EyeView& view) {
   Mat3 rotation;
   rotation.row(0) = frame.right.transpose();
   rotation.row(1) = frame.up.transpose();
   rotation.row(2) = frame.right.cross(frame.up).transpose();  // towards the eye
-  leaves_->setEye(frame.eye, rotation);
-
-  setProjection(frame, rotation);
+  leaves_->setEye(view.eye, rotation);
+  setTarget(view);
+  setProjection(frame, view, rotation);
   viewer_.frame();
 }
 
-void TileView::setProjection(const proto::Frame& frame, const Mat3& rotation) {
+void TileView::setProjection(const proto::Frame& frame, const EyeView& view, const Mat3& rotation) {
   // The image rectangle on the near plane.
-  const Vec3 lowerLeft = rotation * (frame.corners[0] - frame.eye);
-  const Vec3 upperRight = rotation * (frame.corners[2] - frame.eye);
+  const Vec3 lowerLeft = rotation * (view.corners[0] - view.eye);
+  const Vec3 upperRight = rotation * (view.corners[2] - view.eye);
   const double toNearLeft = frame.nearM / -lowerLeft.z(), toNearRight = frame.nearM / -upperRight.z();
   double left = lowerLeft.x() * toNearLeft, right = upperRight.x() * toNearRight;
   double bottom = lowerLeft.y() * toNearLeft, top = upperRight.y() * toNearRight;
-  if (drawsWallViewport_) {
+  // The wall's viewport, squeezed as the view is; OpenGL counts rows from below. It must lie on whole pixels.
+  const PixelArea& area = view.area;
+  const double scaleX = static_cast<double>(area.widthPx) / window_.widthPx;
+  const double scaleY = static_cast<double>(area.heightPx) / window_.heightPx;
+  const double wall[] = {area.xPx - window_.xPx * scaleX,
+                         area.yPx - (window_.wallHeightPx - window_.yPx - window_.heightPx) * scaleY,
+                         window_.wallWidthPx * scaleX, window_.wallHeightPx * scaleY};
+  const bool isOnPixels =
+      std::all_of(std::begin(wall), std::end(wall), [](double px) { return px == std::floor(px); });
+  osg::Camera& camera = *viewer_.getCamera();
+  if (!wallViewportFits_ || !isOnPixels) {
+    camera.setViewport(area.xPx, area.yPx, area.widthPx, area.heightPx);
+  } else {
+    camera.setViewport(new osg::Viewport(wall[0], wall[1], wall[2], wall[3]));
     // From the tile's rectangle to the wall's. The rounding is that of doubles, so all tiles arrive at the
     // same floats.
     const double pixelX = (right - left) / window_.widthPx, pixelY = (top - bottom) / window_.heightPx;
@@ -185,7 +259,7 @@ void TileView::setProjection(const proto::Frame& frame, const Mat3& rotation) {
     top += window_.yPx * pixelY;
     bottom = top - window_.wallHeightPx * pixelY;
   }
-  viewer_.getCamera()->setProjectionMatrixAsFrustum(left, right, bottom, top, frame.nearM, frame.farM);
+  camera.setProjectionMatrixAsFrustum(left, right, bottom, top, frame.nearM, frame.farM);
 }
 
 }  // namespace tessera

@@ -2,11 +2,15 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
+#include <osg/Scissor>
 #include <osgViewer/Viewer>
 
+#include "client/eye_views.h"
 #include "client/surface.h"
 #include "client/tile_cache.h"
+#include "client/tile_output.h"
 #include "common/hierarchy/visible_list.h"
 
 namespace tessera {
@@ -33,19 +37,30 @@ class TileView {
 
   /// The new list. Every leaf of it must be in the cache, which must outlive its use here.
   void setList(const VisibleList& list, const TileCache& cache);
-  void draw(const proto::Frame& frame);
+  /// The tile's screen and display; see TileOutput.
+  [[nodiscard]] Status configure(const proto::TileSetup& setup);
+  /// Draws the list or, where the frame asks for one, a test pattern; once for each eye. `facts` are for the
+  /// frame's overlay.
+  [[nodiscard]] Status draw(const proto::Frame& frame, const OverlayFacts& facts);
 
  private:
   struct Window {
     int xPx, yPx, widthPx, heightPx;  ///< of this tile in the wall's picture
     int wallWidthPx, wallHeightPx;
   };
-  void setProjection(const proto::Frame& frame, const Mat3& rotation);
+  void drawScene(const proto::Frame& frame, const EyeView& view);
+  void selectBuffer(GLenum buffer);
+  void setTarget(const EyeView& view);
+  void setProjection(const proto::Frame& frame, const EyeView& view, const Mat3& rotation);
+  [[nodiscard]] bool fillsWindow(const PixelArea& area) const;
 
   const Window window_;
-  bool drawsWallViewport_ = false;
+  bool wallViewportFits_ = false;
   osg::ref_ptr<LeafListNode> leaves_;
   osgViewer::Viewer viewer_;
+  GLenum buffer_ = GL_NONE;             ///< GL_NONE: the context's own choice
+  osg::ref_ptr<osg::Scissor> scissor_;  ///< of the eye's area; set where that is not the whole window
+  std::optional<TileOutput> output_;
 };
 
 }  // namespace tessera

@@ -143,6 +143,8 @@ Result<AnyMessage> decode(MessageType type, std::span<const std::byte> payload) 
       return toAny(decodeBye(payload));
     case MessageType::Error:
       return toAny(decodeError(payload));
+    case MessageType::TileSetup:
+      return toAny(decodeTileSetup(payload));
   }
   return protocolError(ProtocolError::UnknownType, "message");
 }

@@ -42,6 +42,12 @@ LeafRecord leafOf(DecodeCheck& check, const wire::Leaf& leaf) {
           .billboard = billboardOf(check, leaf.billboard())};
 }
 
+std::optional<RightEye> rightEyeOf(DecodeCheck& check, const wire::RightEye* rightEye) {
+  if (rightEye == nullptr) return std::nullopt;
+  return RightEye{.eye = check.vec3(rightEye->eye_m(), "right_eye.eye_m"),
+                  .corners = check.corners(rightEye->corners_m(), "right_eye.corners_m")};
+}
+
 Picture pictureOf(DecodeCheck& check, const wire::Picture& picture) {
   const Picture read = {.widthPx = check.imagePx(picture.width_px(), "width_px"),
                         .heightPx = check.imagePx(picture.height_px(), "height_px"),
@@ -106,7 +112,14 @@ Result<Frame> decodeFrame(std::span<const std::byte> payload) {
                        .up = check.vec3(wireFrame->up(), "up"),
                        .toggles = bytesOf(wireFrame->toggles()),
                        .listLeafCount = wireFrame->list_leaf_count(),
-                       .wantPicture = wireFrame->want_picture()};
+                       .wantPicture = wireFrame->want_picture(),
+                       .overlay = wireFrame->overlay(),
+                       .pattern = check.enumeration(wireFrame->pattern(), Pattern::Alignment, "pattern"),
+                       .skewUs = wireFrame->skew_us(),
+                       .rightEye = rightEyeOf(check, wireFrame->right_eye()),
+                       .stereo = check.enumeration(wireFrame->stereo(), StereoLayout::QuadBuffer, "stereo")};
+  check.require(frame.rightEye.has_value() == (frame.stereo != StereoLayout::None), ProtocolError::BadEnum,
+                "stereo");
   check.require(frame.baseFrame < frame.frame, ProtocolError::BadNumber, "base_frame");
   check.require(0 < frame.nearM && frame.nearM < frame.farM, ProtocolError::BadDepthRange);
   check.require(areImageAxes(frame.right, frame.up), ProtocolError::BadAxes);

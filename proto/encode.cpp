@@ -25,10 +25,20 @@ static_assert(int(wire::SurfaceKind::MAX) == int(SurfaceKind::Egl));
 static_assert(int(wire::PictureFormat::MAX) == int(PictureFormat::RawRgb8));
 static_assert(int(wire::AssetKind::MAX) == int(AssetKind::Image));
 static_assert(int(wire::BillboardMode::MAX) == int(BillboardMode::AxialRot));
+static_assert(int(wire::Pattern::MAX) == int(Pattern::Alignment));
+static_assert(int(wire::StereoLayout::MAX) == int(StereoLayout::QuadBuffer));
 static_assert(int(wire::ErrorCode::MAX) == int(ErrorCode::ShuttingDown));
 
 wire::Vec3 toWire(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
+}
+
+wire::Vec2 toWire(const Vec2& v) {
+  return {v.x(), v.y()};
+}
+
+wire::Rgb toWire(const std::array<float, 3>& rgb) {
+  return {rgb[0], rgb[1], rgb[2]};
 }
 
 wire::Sha256 toWire(const Sha256& id) {
@@ -68,14 +78,38 @@ Bytes finish(Builder& builder, MessageType type, Offset<T> root) {
   return bytes;
 }
 
+Offset<wire::RightEye> addRightEye(Builder& builder, const std::optional<RightEye>& rightEye) {
+  if (!rightEye) return {};
+  const wire::Vec3 eye = toWire(rightEye->eye);
+  const wire::Corners corners = toWire(rightEye->corners);
+  return wire::CreateRightEye(builder, &eye, &corners);
+}
+
 Offset<wire::Frame> addFrame(Builder& builder, const Frame& frame) {
   const auto toggles = addBytes(builder, frame.toggles);
+  const auto rightEye = addRightEye(builder, frame.rightEye);
   const wire::Vec3 eye = toWire(frame.eye);
   const wire::Corners corners = toWire(frame.corners);
   const wire::Vec3 right = toWire(frame.right);
   const wire::Vec3 up = toWire(frame.up);
   return wire::CreateFrame(builder, frame.frame, frame.baseFrame, &eye, &corners, frame.nearM, frame.farM,
-                           &right, &up, toggles, frame.listLeafCount, frame.wantPicture);
+                           &right, &up, toggles, frame.listLeafCount, frame.wantPicture, frame.overlay,
+                           static_cast<wire::Pattern>(frame.pattern), frame.skewUs, rightEye,
+                           static_cast<wire::StereoLayout>(frame.stereo));
+}
+
+Offset<flatbuffers::Vector<std::uint8_t>> addBytesIfAny(Builder& builder, std::span<const std::byte> bytes) {
+  if (bytes.empty()) return {};
+  return addBytes(builder, bytes);
+}
+
+Offset<wire::Warp> addWarp(Builder& builder, const std::optional<Warp>& warp) {
+  if (!warp) return {};
+  const auto uv = addBytes(builder, warp->uv);
+  const auto alpha = addBytesIfAny(builder, warp->alpha);
+  const auto beta = addBytesIfAny(builder, warp->beta);
+  return wire::CreateWarp(builder, warp->columns, warp->rows, uv, warp->maskWidthPx, warp->maskHeightPx,
+                          alpha, beta, warp->maskGamma);
 }
 
 Offset<wire::Leaf> addLeaf(Builder& builder, const LeafRecord& leaf) {
@@ -227,6 +261,27 @@ Bytes encode(const ErrorMessage& error) {
   const auto text = builder.CreateString(fitUtf8(error.text, kMaxTextBytes));
   return finish(builder, MessageType::Error,
                 wire::CreateError(builder, static_cast<wire::ErrorCode>(error.code), text));
+}
+
+Bytes encode(const TileSetup& setup) {
+  std::size_t warpBytes = 0;
+  if (setup.warp) {
+    for (const auto& bytes : {setup.warp->uv, setup.warp->alpha, setup.warp->beta}) {
+      if (bytes.size() > maxPayloadBytes(MessageType::TileSetup)) return {};
+      warpBytes += bytes.size();
+    }
+  }
+  Builder builder(kSmallBytes + warpBytes);
+  const auto screenName = builder.CreateString(setup.screenName);
+  const auto warp = addWarp(builder, setup.warp);
+  const auto& c = setup.cornersM;
+  const wire::FlatCorners corners(toWire(c[0]), toWire(c[1]), toWire(c[2]), toWire(c[3]));
+  const wire::Rgb gain = toWire(setup.gainRgb);
+  const wire::Rgb black = toWire(setup.blackRgb);
+  const wire::Edges blend(setup.blendPx[0], setup.blendPx[1], setup.blendPx[2], setup.blendPx[3]);
+  return finish(builder, MessageType::TileSetup,
+                wire::CreateTileSetup(builder, screenName, setup.screenWidthM, setup.screenHeightM, &corners,
+                                      &gain, &black, setup.gamma, &blend, warp));
 }
 
 }  // namespace tessera::proto

@@ -43,10 +43,11 @@ enum class MessageType : std::uint16_t {
   Pong = 10,
   Bye = 11,
   Error = 12,
+  TileSetup = 13,
 };
 
 [[nodiscard]] constexpr bool isKnown(MessageType type) {
-  return type >= MessageType::Hello && type <= MessageType::Error;
+  return type >= MessageType::Hello && type <= MessageType::TileSetup;
 }
 
 /// What a receiver is ready to accept; decides which message types may come.
@@ -66,7 +67,7 @@ enum class Expect {
 [[nodiscard]] constexpr bool isFromMaster(MessageType type) {
   return type == MessageType::Assets || type == MessageType::Leaves || type == MessageType::Frame ||
          type == MessageType::Swap || type == MessageType::Ping || type == MessageType::Bye ||
-         type == MessageType::Error;
+         type == MessageType::Error || type == MessageType::TileSetup;
 }
 
 [[nodiscard]] constexpr bool isExpected(MessageType type, Expect expect) {
@@ -100,6 +101,7 @@ inline constexpr std::uint32_t kMaxPayloadBytes = 256U << 20U;
       return kMaxPayloadBytes;
     case MessageType::Leaves:
     case MessageType::Frame:
+    case MessageType::TileSetup:
       return 64U << 20U;
     case MessageType::Hello:
     case MessageType::Welcome:

@@ -23,6 +23,10 @@ inline constexpr std::size_t kMaxAssetsPerMessage = 65536;
 inline constexpr std::size_t kMaxLeavesPerMessage = 65536;
 /// An asset up to this size fits into a message of its own.
 inline constexpr std::size_t kMaxAssetBytes = 255U << 20U;
+/// Vertices of a warp mesh along a side.
+inline constexpr std::uint32_t kMaxWarpSide = 4096;
+/// Farthest coordinate on a screen, and the largest screen.
+inline constexpr double kMaxScreenM = 1e6;
 
 using Sha256 = std::array<std::uint8_t, 32>;
 
@@ -101,6 +105,24 @@ struct Leaves {
   friend bool operator==(const Leaves&, const Leaves&) = default;
 };
 
+/// What a tile shows instead of the scene.
+enum class Pattern : std::uint8_t { None = 0, Identify = 1, Alignment = 2 };
+
+/// Where the pictures of both eyes go. Each is the whole image, squeezed into its half.
+enum class StereoLayout : std::uint8_t {
+  None = 0,
+  SideBySide = 1,  ///< left eye in the left half
+  TopBottom = 2,   ///< left eye in the upper half
+  QuadBuffer = 3,  ///< left and right back buffers of OpenGL
+};
+
+/// The second eye of a stereo frame; all else it shares with the left one.
+struct RightEye {
+  Vec3 eye = Vec3::Zero();
+  std::array<Vec3, 4> corners = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< as in Frustum
+  friend bool operator==(const RightEye&, const RightEye&) = default;
+};
+
 /// Master to tile: draw this and keep it back until Swap.
 struct Frame {
   std::uint64_t frame = 0;      ///< from 1, ascending
@@ -113,6 +135,11 @@ struct Frame {
   std::span<const std::byte> toggles = {};         ///< a list delta, see list_codec.h
   std::uint32_t listLeafCount = 0;                 ///< leaves in the resulting list, as a check
   bool wantPicture = false;                        ///< Shown shall carry the picture
+  bool overlay = false;                            ///< statistics in a corner of the picture
+  Pattern pattern = Pattern::None;
+  std::uint32_t skewUs = 0;                  ///< between the tiles at the last swap, for the overlay
+  std::optional<RightEye> rightEye = {};     ///< stereo: eye and corners above are the left eye's
+  StereoLayout stereo = StereoLayout::None;  ///< not None just where there is a right eye
 };
 
 /// Tile to master: drawn, waiting for Swap. Acknowledges the frame's list.
@@ -179,6 +206,33 @@ struct ErrorMessage {
   ErrorCode code = ErrorCode::Internal;
   std::string text = {};
   friend bool operator==(const ErrorMessage&, const ErrorMessage&) = default;
+};
+
+/// What a projector shows of the picture that was drawn for it, as MPCDI says it. All data by rows from the
+/// top.
+struct Warp {
+  std::uint32_t columns = 0, rows = 0;  ///< vertices, 2 to kMaxWarpSide; the outer ones lie on the edges
+  /// columns x rows x 2 little-endian floats (u, v): where in the drawn picture the vertex looks, u from the
+  /// left, v from the top, 0 to 1. Nothing is shown beyond, nor around a vertex that is NaN.
+  std::span<const std::byte> uv = {};
+  std::uint32_t maskWidthPx = 0, maskHeightPx = 0;  ///< 0: no masks
+  std::span<const std::byte> alpha = {};            ///< u16 little-endian: factor of light, 65535 is 1
+  std::span<const std::byte> beta = {};             ///< the same: encoded black level; may be empty
+  float maskGamma = 1;                              ///< factor of light = alpha ^ maskGamma; 0.1 to 10
+};
+
+/// Master to tile, at most once and before the first frame: where the tile hangs and what its display needs.
+struct TileSetup {
+  std::string screenName = {};                 ///< may be empty
+  double screenWidthM = 1, screenHeightM = 1;  ///< of the flat screen that the tile is a part of
+  /// The tile's picture on the screen: lower left, lower right, upper right, upper left of the picture, from
+  /// the screen's lower left corner, x right, y up. The picture of a turned panel is turned with it.
+  std::array<Vec2, 4> cornersM = {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1), Vec2(0, 1)};
+  std::array<float, 3> gainRgb = {1, 1, 1};   ///< in linear light, 0 to 4
+  std::array<float, 3> blackRgb = {0, 0, 0};  ///< encoded, 0 to 1: the least value outside of the blend ramps
+  float gamma = 2.2F;                         ///< 0.5 to 5: light = encoded ^ gamma
+  std::array<float, 4> blendPx = {0, 0, 0, 0};  ///< ramps at the left, right, bottom, top edge; 0: none
+  std::optional<Warp> warp = {};                ///< absent: the picture as it is
 };
 
 }  // namespace tessera::proto

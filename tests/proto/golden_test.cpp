@@ -26,6 +26,27 @@ constexpr const char* kFrame =
     "0000000000000000000000000000f03f0000000000000000280000000200000007000000000000000600000000000000"
     "000000000000d03f0000000000408f400300000001030100";
 
+constexpr const char* kTileSetup =
+    "5453524101000d0018010000db80b92708cd7ee5"
+    "140100001c000000000016008c0004007800800008004800540060006400740016000000e8000000000000000000e03f"
+    "000000000000d03f0000000000000040000000000000d03f0000000000000040000000000000f03f000000000000e03f"
+    "000000000000f03f0000003f0000803f000000400000803e000000000000003e00002040000000430000000000008042"
+    "000000422c000000000000000000104000000000000002400000000014002000040008000c0010001400180000001c00"
+    "1400000002000000020000001c0000000100000001000000080000000000004002000000ff7f00002000000000000000"
+    "0000803f0000803f000000000000c07f0000c07f0000803f0000803f0500000066726f6e74000000";
+
+constexpr const char* kStereoFrame =
+    "5453524101000500a001000023b637bccbc78529"
+    "9c0100002c000000000000002400e400c000c80008002000d000d80080009800b000b400040005000600b800bc000700"
+    "2400000001010202000000000000f03f00000000000000400000000000000840000000000000f0bf000000000000e0bf"
+    "00000000000000400000000000000000000000000000e0bf00000000000000400000000000000000000000000000e03f"
+    "0000000000000040000000000000f0bf000000000000e03f0000000000000040000000000000f03f0000000000000000"
+    "00000000000000000000000000000000000000000000f03f0000000000000000b800000002000000a401000030000000"
+    "07000000000000000600000000000000000000000000d03f0000000000408f400000000008007c0004001c0008000000"
+    "000000000000f83f00000000000000400000000000000840000000000000f0bf000000000000e0bf0000000000000040"
+    "0000000000000000000000000000e0bf00000000000000400000000000000000000000000000e03f0000000000000040"
+    "000000000000f0bf000000000000e03f00000000000000400300000001030100";
+
 const Hello kHelloMessage = {.tileName = "r0c1",
                              .programVersion = "0.1.0",
                              .clockId = "host-a",
@@ -48,6 +69,33 @@ Frame frameMessage() {
           .toggles = kToggles,
           .listLeafCount = 2,
           .wantPicture = true};
+}
+
+constexpr std::byte kUv[] = {
+    std::byte{0},    std::byte{0},    std::byte{0},    std::byte{0},    std::byte{0},    std::byte{0},
+    std::byte{0x80}, std::byte{0x3f}, std::byte{0},    std::byte{0},    std::byte{0x80}, std::byte{0x3f},
+    std::byte{0},    std::byte{0},    std::byte{0},    std::byte{0},    std::byte{0},    std::byte{0},
+    std::byte{0xc0}, std::byte{0x7f}, std::byte{0},    std::byte{0},    std::byte{0xc0}, std::byte{0x7f},
+    std::byte{0},    std::byte{0},    std::byte{0x80}, std::byte{0x3f}, std::byte{0},    std::byte{0},
+    std::byte{0x80}, std::byte{0x3f}};
+constexpr std::byte kAlpha[] = {std::byte{0xff}, std::byte{0x7f}};
+
+TileSetup tileSetupMessage() {
+  return {.screenName = "front",
+          .screenWidthM = 4,
+          .screenHeightM = 2.25,
+          .cornersM = {Vec2(0.5, 0.25), Vec2(2, 0.25), Vec2(2, 1), Vec2(0.5, 1)},
+          .gainRgb = {0.5F, 1, 2},
+          .blackRgb = {0.25F, 0, 0.125F},
+          .gamma = 2.5F,
+          .blendPx = {128, 0, 64, 32},
+          .warp = Warp{.columns = 2,
+                       .rows = 2,
+                       .uv = kUv,
+                       .maskWidthPx = 1,
+                       .maskHeightPx = 1,
+                       .alpha = kAlpha,
+                       .maskGamma = 2}};
 }
 
 std::string hexOf(std::span<const std::byte> bytes) {
@@ -82,6 +130,27 @@ TEST(Golden, Frame) {
   const auto frame = parseFrame(bytes, Expect::FromMaster);
   ASSERT_TRUE(frame.ok()) << frame.error().text();
   EXPECT_TRUE(isSame(*decodeFrame(frame->payload), frameMessage()));
+}
+
+TEST(Golden, TileSetup) {
+  EXPECT_EQ(hexOf(encode(tileSetupMessage())), kTileSetup);
+  const Bytes bytes = bytesOf(kTileSetup);
+  const auto frame = parseFrame(bytes, Expect::FromMaster);
+  ASSERT_TRUE(frame.ok()) << frame.error().text();
+  EXPECT_TRUE(isSame(*decodeTileSetup(frame->payload), tileSetupMessage()));
+}
+
+// All that a frame may have.
+TEST(Golden, StereoFrame) {
+  tessera::proto::Frame message = frameMessage();
+  message.overlay = true;
+  message.pattern = Pattern::Alignment;
+  message.skewUs = 420;
+  message.rightEye = RightEye{.eye = {1.5, 2, 3}, .corners = message.corners};
+  message.stereo = StereoLayout::TopBottom;
+  EXPECT_EQ(hexOf(encode(message)), kStereoFrame);
+  const Bytes bytes = bytesOf(kStereoFrame);
+  EXPECT_TRUE(isSame(*decodeFrame(test::payloadOf(bytes)), message));
 }
 
 TEST(Golden, AnEncoderGivesTheSameBytesWhateverItEncodedBefore) {

@@ -1,4 +1,5 @@
 // Payloads that are sound for the framing and, mostly, for FlatBuffers, but break a rule of the protocol.
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -112,6 +113,109 @@ TEST(Hostile, FrameNumbers) {
   EXPECT_EQ(refused([](Frame& m) { m.baseFrame = m.frame; }), ProtocolError::BadNumber);
 }
 
+TEST(Hostile, FrameStereoAndPattern) {
+  MessageMaker maker(33);
+  Frame good = maker.frame();
+  good.stereo = StereoLayout::SideBySide;
+  good.rightEye = RightEye{};
+  const auto refused = [&](const std::function<void(Frame&)>& spoil) { return refusalOf(good, spoil); };
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(refused([&](Frame& m) { m.rightEye->eye[i] = bad; }), ProtocolError::BadNumber);
+      for (std::size_t k = 0; k < 4; ++k) {
+        EXPECT_EQ(refused([&](Frame& m) { m.rightEye->corners[k][i] = bad; }), ProtocolError::BadNumber);
+      }
+    }
+  }
+  EXPECT_EQ(refused([](Frame& m) { m.pattern = static_cast<Pattern>(3); }), ProtocolError::BadEnum);
+  EXPECT_EQ(refused([](Frame& m) { m.stereo = static_cast<StereoLayout>(4); }), ProtocolError::BadEnum);
+  EXPECT_EQ(refused([](Frame& m) { m.stereo = StereoLayout::None; }), ProtocolError::BadEnum);
+  EXPECT_EQ(refused([](Frame& m) { m.rightEye.reset(); }), ProtocolError::BadEnum);
+}
+
+TEST(Hostile, TileSetup) {
+  const TileSetup good;
+  const auto refused = [&](const std::function<void(TileSetup&)>& spoil) { return refusalOf(good, spoil); };
+  constexpr auto kNaNF = std::numeric_limits<float>::quiet_NaN();
+  constexpr auto kInfinityF = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(refused([](TileSetup& m) { m.screenName = std::string(65, 'a'); }), ProtocolError::BadText);
+  EXPECT_EQ(refused([](TileSetup& m) { m.screenName = "a\x1b"; }), ProtocolError::BadText);
+  for (const double bad : {kNaN, kInfinity, 0.0, -1.0, 1.1e6}) {
+    EXPECT_EQ(refused([&](TileSetup& m) { m.screenWidthM = bad; }), ProtocolError::BadNumber);
+    EXPECT_EQ(refused([&](TileSetup& m) { m.screenHeightM = bad; }), ProtocolError::BadNumber);
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (const double bad : {kNaN, kInfinity, -kInfinity, 1.1e6, -1.1e6}) {
+      EXPECT_EQ(refused([&](TileSetup& m) { m.cornersM[k].x() = bad; }), ProtocolError::BadNumber);
+      EXPECT_EQ(refused([&](TileSetup& m) { m.cornersM[k].y() = bad; }), ProtocolError::BadNumber);
+    }
+    for (const float bad : {kNaNF, kInfinityF, -0.1F, 16385.0F})
+      EXPECT_EQ(refused([&](TileSetup& m) { m.blendPx[k] = bad; }), ProtocolError::BadNumber);
+  }
+  EXPECT_EQ(refused([](TileSetup& m) { m.cornersM[1] = m.cornersM[0]; }), ProtocolError::BadNumber)
+      << "no area";
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const float bad : {kNaNF, -0.1F, 4.1F})
+      EXPECT_EQ(refused([&](TileSetup& m) { m.gainRgb[i] = bad; }), ProtocolError::BadNumber);
+    for (const float bad : {kNaNF, -0.1F, 1.1F})
+      EXPECT_EQ(refused([&](TileSetup& m) { m.blackRgb[i] = bad; }), ProtocolError::BadNumber);
+  }
+  for (const float bad : {kNaNF, 0.0F, 0.49F, 5.1F})
+    EXPECT_EQ(refused([&](TileSetup& m) { m.gamma = bad; }), ProtocolError::BadNumber);
+}
+
+TEST(Hostile, Warps) {
+  MessageMaker maker(34);
+  TileSetup good;
+  good.warp = Warp{.columns = 2,
+                   .rows = 3,
+                   .uv = maker.floats(12),
+                   .maskWidthPx = 4,
+                   .maskHeightPx = 5,
+                   .alpha = maker.bytes(40),
+                   .beta = maker.bytes(40)};
+  const auto refused = [&](const std::function<void(Warp&)>& spoil) {
+    return refusalOf<TileSetup>(good, [&](TileSetup& m) { spoil(*m.warp); });
+  };
+  EXPECT_EQ(refused([](Warp& m) { m.beta = {}; }), std::nullopt) << "beta may be missing";
+  EXPECT_EQ(refused([](Warp& m) { m.alpha = m.alpha.first(38); }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Warp& m) { m.alpha = {}; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Warp& m) { m.beta = m.beta.first(38); }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Warp& m) { m.maskWidthPx = 0; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Warp& m) { m.maskWidthPx = m.maskHeightPx = 0; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Warp& m) { m.maskWidthPx = 16385; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Warp& m) { m.maskHeightPx = UINT32_MAX; }), ProtocolError::BadPicture);
+  EXPECT_EQ(refused([](Warp& m) { m.uv = m.uv.first(44); }), ProtocolError::BadCount);
+  EXPECT_EQ(refused([](Warp& m) { m.columns = m.rows = 1; }), ProtocolError::BadCount);
+  EXPECT_EQ(refused([](Warp& m) { m.columns = 3; }), ProtocolError::BadCount);
+  EXPECT_EQ(refused([](Warp& m) { m.rows = kMaxWarpSide + 1; }), ProtocolError::BadCount);
+  EXPECT_EQ(refused([](Warp& m) { m.columns = m.rows = 0x80000000U; }), ProtocolError::BadCount);
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.09F, 10.1F})
+    EXPECT_EQ(refused([&](Warp& m) { m.maskGamma = bad; }), ProtocolError::BadNumber);
+  std::vector<std::byte> uv(good.warp->uv.begin(), good.warp->uv.end());
+  for (const float bad : {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
+    std::memcpy(uv.data() + 44, &bad, sizeof bad);
+    EXPECT_EQ(refused([&](Warp& m) { m.uv = uv; }), ProtocolError::BadNumber);
+  }
+  EXPECT_TRUE(
+      encode(TileSetup{.warp = Warp{.uv = std::span<const std::byte>(uv.data(), SIZE_MAX / 2)}}).empty());
+}
+
+// Masks and mesh may not be one run of bytes that is named three times.
+TEST(Hostile, SharedWarpBytesDoNotMultiply) {
+  Builder builder;
+  const auto shared = builder.CreateVector(std::vector<std::uint8_t>(8 * 100 * 100));
+  const auto warp = wire::CreateWarp(builder, 100, 100, shared, 200, 200, shared, shared, 1);
+  const auto name = builder.CreateString("");
+  const wire::FlatCorners corners(wire::Vec2(0, 0), wire::Vec2(1, 0), wire::Vec2(1, 1), wire::Vec2(0, 1));
+  const wire::Rgb gain(1, 1, 1), black(0, 0, 0);
+  const wire::Edges blend(0, 0, 0, 0);
+  EXPECT_EQ(
+      refusalOfBuilt(MessageType::TileSetup, builder,
+                     wire::CreateTileSetup(builder, name, 1, 1, &corners, &gain, &black, 2.2F, &blend, warp)),
+      ProtocolError::BadCount);
+}
+
 TEST(Hostile, FrameZeroIsNoFrame) {
   EXPECT_EQ(refusal(MessageType::Ready, payloadOf(encode(Ready{}))), ProtocolError::BadNumber);
   EXPECT_EQ(refusal(MessageType::Swap, payloadOf(encode(Swap{}))), ProtocolError::BadNumber);
@@ -185,7 +289,7 @@ TEST(Hostile, TextsThatOurEncoderWouldNotSend) {
 TEST(Hostile, MissingFields) {
   for (const MessageType type :
        {MessageType::Hello, MessageType::Welcome, MessageType::Assets, MessageType::Leaves,
-        MessageType::Frame, MessageType::Bye, MessageType::Error}) {
+        MessageType::Frame, MessageType::Bye, MessageType::Error, MessageType::TileSetup}) {
     Builder builder;
     EXPECT_EQ(refusalOfBuilt(type, builder, wire::CreatePing(builder)), ProtocolError::Malformed)
         << nameOf(type);

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <random>
 #include <span>
@@ -12,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "proto/codec.h"
+#include "proto/little_endian.h"
 
 // Messages with random content, and comparison of messages that hold spans.
 namespace tessera::proto::test {
@@ -58,7 +61,21 @@ inline bool isSame(const Frame& a, const Frame& b) {
   return a.frame == b.frame && a.baseFrame == b.baseFrame && a.eye == b.eye && a.corners == b.corners &&
          a.nearM == b.nearM && a.farM == b.farM && a.right == b.right && a.up == b.up &&
          sameBytes(a.toggles, b.toggles) && a.listLeafCount == b.listLeafCount &&
-         a.wantPicture == b.wantPicture;
+         a.wantPicture == b.wantPicture && a.overlay == b.overlay && a.pattern == b.pattern &&
+         a.skewUs == b.skewUs && a.rightEye == b.rightEye && a.stereo == b.stereo;
+}
+
+inline bool isSame(const Warp& a, const Warp& b) {
+  return a.columns == b.columns && a.rows == b.rows && sameBytes(a.uv, b.uv) &&
+         a.maskWidthPx == b.maskWidthPx && a.maskHeightPx == b.maskHeightPx && sameBytes(a.alpha, b.alpha) &&
+         sameBytes(a.beta, b.beta) && a.maskGamma == b.maskGamma;
+}
+
+inline bool isSame(const TileSetup& a, const TileSetup& b) {
+  return a.screenName == b.screenName && a.screenWidthM == b.screenWidthM &&
+         a.screenHeightM == b.screenHeightM && a.cornersM == b.cornersM && a.gainRgb == b.gainRgb &&
+         a.blackRgb == b.blackRgb && a.gamma == b.gamma && a.blendPx == b.blendPx &&
+         a.warp.has_value() == b.warp.has_value() && (!a.warp || isSame(*a.warp, *b.warp));
 }
 
 inline bool isSame(const Shown& a, const Shown& b) {
@@ -134,17 +151,26 @@ class MessageMaker {
     const std::uint64_t number = 1 + random_() / 2;
     const double near = std::abs(real()) + 1e-6;
     const Vec3 right = vec3().normalized();
-    return {.frame = number,
-            .baseFrame = random_() % number,
-            .eye = vec3(),
-            .corners = {vec3(), vec3(), vec3(), vec3()},
-            .nearM = near,
-            .farM = near + std::abs(real()) + 1,
-            .right = right,
-            .up = right.cross(vec3()).normalized(),
-            .toggles = bytes(below(100)),
-            .listLeafCount = number32(),
-            .wantPicture = below(2) == 1};
+    const auto stereo = static_cast<StereoLayout>(below(4));
+    return {
+        .frame = number,
+        .baseFrame = random_() % number,
+        .eye = vec3(),
+        .corners = {vec3(), vec3(), vec3(), vec3()},
+        .nearM = near,
+        .farM = near + std::abs(real()) + 1,
+        .right = right,
+        .up = right.cross(vec3()).normalized(),
+        .toggles = bytes(below(100)),
+        .listLeafCount = number32(),
+        .wantPicture = below(2) == 1,
+        .overlay = below(2) == 1,
+        .pattern = static_cast<Pattern>(below(3)),
+        .skewUs = number32(),
+        .rightEye = stereo == StereoLayout::None
+                        ? std::nullopt
+                        : std::optional(RightEye{.eye = vec3(), .corners = {vec3(), vec3(), vec3(), vec3()}}),
+        .stereo = stereo};
   }
 
   Ready ready() { return {.frame = 1 + random_() / 2, .drawUs = number32(), .leafCount = number32()}; }
@@ -168,6 +194,31 @@ class MessageMaker {
   Pong pong() { return {.nonce = random_()}; }
   Bye bye() { return {.reason = text(), .peakResidentBytes = random_(), .framesShown = random_()}; }
   ErrorMessage error() { return {.code = static_cast<ErrorCode>(below(9)), .text = text()}; }
+
+  TileSetup tileSetup() {
+    return {.screenName = name(),
+            .screenWidthM = 1e-6 + std::abs(real()) / 2,
+            .screenHeightM = 1e-6 + std::abs(real()) / 2,
+            .cornersM = {vec2(), vec2(), vec2(), vec2()},
+            .gainRgb = {4 * channel(), channel(), channel()},
+            .blackRgb = {channel(), channel(), channel()},
+            .gamma = 0.5F + channel(),
+            .blendPx = {100 * channel(), 0, channel(), 7},
+            .warp = below(3) == 0 ? std::nullopt : std::optional(warp())};
+  }
+
+  Warp warp() {
+    const std::size_t masks = below(3), columns = 2 + below(5), rows = 2 + below(5);
+    const std::size_t width = masks > 0 ? 1 + below(7) : 0, height = masks > 0 ? 1 + below(7) : 0;
+    return {.columns = static_cast<std::uint32_t>(columns),
+            .rows = static_cast<std::uint32_t>(rows),
+            .uv = floats(columns * rows * 2),
+            .maskWidthPx = static_cast<std::uint32_t>(width),
+            .maskHeightPx = static_cast<std::uint32_t>(height),
+            .alpha = bytes(width * height * 2),
+            .beta = bytes(masks == 2 ? width * height * 2 : 0),
+            .maskGamma = 0.1F + channel()};
+  }
 
   AnyMessage any(MessageType type) {
     switch (type) {
@@ -195,6 +246,8 @@ class MessageMaker {
         return bye();
       case MessageType::Error:
         return error();
+      case MessageType::TileSetup:
+        return tileSetup();
     }
     return Ping{};
   }
@@ -222,6 +275,16 @@ class MessageMaker {
     return *made;
   }
 
+  /// Little-endian floats in [0, 1], some of them NaN.
+  std::span<const std::byte> floats(std::size_t count) {
+    auto& made = owned_.emplace_back(std::make_unique<std::vector<std::byte>>(count * sizeof(float)));
+    for (std::size_t i = 0; i < count; ++i) {
+      const float value = below(8) == 0 ? std::numeric_limits<float>::quiet_NaN() : channel();
+      storeLittleEndian(std::bit_cast<std::uint32_t>(value), std::span(*made).subspan(4 * i).first<4>());
+    }
+    return *made;
+  }
+
  private:
   std::uint32_t number32() { return static_cast<std::uint32_t>(random_()); }
   std::int32_t px(std::int32_t max) {
@@ -229,6 +292,7 @@ class MessageMaker {
   }
   float channel() { return static_cast<float>(below(1001)) / 1000.0F; }
   double real() { return std::uniform_real_distribution(-1e6, 1e6)(random_); }
+  Vec2 vec2() { return {real(), real()}; }
   Vec3 vec3() { return {real(), real(), real()}; }
 
   Sha256 hash() {
@@ -251,9 +315,9 @@ class MessageMaker {
   std::vector<std::unique_ptr<std::vector<std::byte>>> owned_;
 };
 
-inline constexpr MessageType kAllTypes[] = {MessageType::Hello,  MessageType::Welcome, MessageType::Assets,
-                                            MessageType::Leaves, MessageType::Frame,   MessageType::Ready,
-                                            MessageType::Swap,   MessageType::Shown,   MessageType::Ping,
-                                            MessageType::Pong,   MessageType::Bye,     MessageType::Error};
+inline constexpr MessageType kAllTypes[] = {
+    MessageType::Hello, MessageType::Welcome, MessageType::Assets,   MessageType::Leaves, MessageType::Frame,
+    MessageType::Ready, MessageType::Swap,    MessageType::Shown,    MessageType::Ping,   MessageType::Pong,
+    MessageType::Bye,   MessageType::Error,   MessageType::TileSetup};
 
 }  // namespace tessera::proto::test
