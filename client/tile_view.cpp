@@ -126,13 +126,13 @@ class LeafListNode : public osg::Node {
   Mat3 rotation_ = Mat3::Identity();
 };
 
-TileView::TileView(const proto::Welcome& welcome)
+TileView::TileView(const proto::Welcome& welcome, PixelSize drawn)
     : window_{welcome.xPx,      welcome.yPx,         welcome.widthPx,
               welcome.heightPx, welcome.wallWidthPx, welcome.wallHeightPx},
       leaves_(new LeafListNode) {
   viewer_.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
   viewer_.setUseConfigureAffinity(false);  // else every tile process would pin itself to the same core
-  viewer_.setUpViewerAsEmbeddedInWindow(0, 0, window_.widthPx, window_.heightPx);
+  viewer_.setUpViewerAsEmbeddedInWindow(0, 0, drawn.widthPx, drawn.heightPx);
   viewer_.setLightingMode(osg::View::NO_LIGHT);
   osg::Camera& camera = *viewer_.getCamera();
   camera.setClearColor(
@@ -142,7 +142,8 @@ TileView::TileView(const proto::Welcome& welcome)
   camera.setViewMatrix(osg::Matrixd::identity());
   GLint limits[2] = {0, 0};
   glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limits);
-  drawsWallViewport_ = window_.wallWidthPx <= limits[0] && window_.wallHeightPx <= limits[1];
+  drawsWallViewport_ = drawn == PixelSize{window_.widthPx, window_.heightPx} &&
+                       window_.wallWidthPx <= limits[0] && window_.wallHeightPx <= limits[1];
   if (drawsWallViewport_) {
     // OpenGL counts rows from below.
     camera.setViewport(-window_.xPx, -(window_.wallHeightPx - window_.yPx - window_.heightPx),

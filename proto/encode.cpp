@@ -25,6 +25,7 @@ static_assert(int(wire::SurfaceKind::MAX) == int(SurfaceKind::Egl));
 static_assert(int(wire::PictureFormat::MAX) == int(PictureFormat::RawRgb8));
 static_assert(int(wire::AssetKind::MAX) == int(AssetKind::Image));
 static_assert(int(wire::BillboardMode::MAX) == int(BillboardMode::AxialRot));
+static_assert(int(wire::InputKind::MAX) == int(InputKind::Gamepad));
 static_assert(int(wire::ErrorCode::MAX) == int(ErrorCode::ShuttingDown));
 
 wire::Vec3 toWire(const Vec3& v) {
@@ -227,6 +228,14 @@ Bytes encode(const ErrorMessage& error) {
   const auto text = builder.CreateString(fitUtf8(error.text, kMaxTextBytes));
   return finish(builder, MessageType::Error,
                 wire::CreateError(builder, static_cast<wire::ErrorCode>(error.code), text));
+}
+
+Bytes encode(const Input& input) {
+  Builder builder(kSmallBytes);
+  const wire::Axes axes(flatbuffers::span<const float, 6>(input.axes.data(), input.axes.size()));
+  return finish(builder, MessageType::Input,
+                wire::CreateInput(builder, static_cast<wire::InputKind>(input.kind), input.code,
+                                  input.pressed, input.modifiers, input.x, input.y, &axes, input.buttons));
 }
 
 }  // namespace tessera::proto

@@ -75,6 +75,8 @@ std::string_view nameOf(MessageType type) {
       return "Bye";
     case MessageType::Error:
       return "Error";
+    case MessageType::Input:
+      return "Input";
   }
   return "unknown";
 }

@@ -43,10 +43,11 @@ enum class MessageType : std::uint16_t {
   Pong = 10,
   Bye = 11,
   Error = 12,
+  Input = 14,
 };
 
 [[nodiscard]] constexpr bool isKnown(MessageType type) {
-  return type >= MessageType::Hello && type <= MessageType::Error;
+  return (type >= MessageType::Hello && type <= MessageType::Error) || type == MessageType::Input;
 }
 
 /// What a receiver is ready to accept; decides which message types may come.
@@ -60,7 +61,7 @@ enum class Expect {
 
 [[nodiscard]] constexpr bool isFromTile(MessageType type) {
   return type == MessageType::Ready || type == MessageType::Shown || type == MessageType::Pong ||
-         type == MessageType::Bye || type == MessageType::Error;
+         type == MessageType::Bye || type == MessageType::Error || type == MessageType::Input;
 }
 
 [[nodiscard]] constexpr bool isFromMaster(MessageType type) {
@@ -110,6 +111,7 @@ inline constexpr std::uint32_t kMaxPayloadBytes = 256U << 20U;
     case MessageType::Swap:
     case MessageType::Ping:
     case MessageType::Pong:
+    case MessageType::Input:
       return 256;
   }
   return 0;
