@@ -26,10 +26,6 @@ int integerOf(GLenum name) {
 
 }  // namespace
 
-std::string textOf(PixelSize size) {
-  return std::to_string(size.widthPx) + "x" + std::to_string(size.heightPx);
-}
-
 Status checkContext(const std::string& where, std::string_view library) {
   Dl_info info{};
   const bool isFound = ::dladdr(reinterpret_cast<void*>(&glGetString), &info) != 0 && info.dli_fname;

@@ -6,18 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/pixel_place.h"
 #include "common/base/result.h"
 #include "proto/messages.h"
 
 namespace tessera {
-
-struct PixelSize {
-  int widthPx = 0, heightPx = 0;
-  friend bool operator==(const PixelSize&, const PixelSize&) = default;
-};
-
-/// "1920x1080".
-[[nodiscard]] std::string textOf(PixelSize size);
 
 /// Where a tile is drawn. One thread, which makes the context current once and keeps it.
 ///

@@ -94,7 +94,7 @@ Status checkTogether(const CLI::App& app, Flags& flags) {
     if (!flags.surface.monitor.empty())
       return inputError("--window", "a window is either full screen or has a place",
                         "leave out --monitor or --window");
-    const auto place = parseWindowPlace(flags.window);
+    const auto place = parsePixelPlace("--window", flags.window);
     if (!place) return place.error();
     flags.surface.window = *place;
   }

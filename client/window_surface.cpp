@@ -200,7 +200,7 @@ class WindowSurfaces final : public SurfaceMaker {
                       names.empty() ? "this desktop has no monitors" : "there are: " + names);
   }
 
-  [[nodiscard]] WindowPlace place() const { return options_.window.value_or(WindowPlace{}); }
+  [[nodiscard]] PixelPlace place() const { return options_.window.value_or(PixelPlace{}); }
 
   /// Whether a window of that size fits at its place.
   [[nodiscard]] Status areaFor(PixelSize size) const {

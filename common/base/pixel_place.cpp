@@ -1,4 +1,4 @@
-#include "client/surface_options.h"
+#include "common/base/pixel_place.h"
 
 #include <charconv>
 #include <string_view>
@@ -7,7 +7,7 @@ namespace tessera {
 
 namespace {
 
-constexpr int kMaxPlacePx = 1 << 16;
+constexpr int kMostPlacePx = 1 << 16, kMostSidePx = 16384;
 
 /// Takes a number and what must follow it (nothing: the end) off the front of `text`.
 std::optional<int> takeNumber(std::string_view& text, std::string_view separator, int least, int most) {
@@ -22,18 +22,22 @@ std::optional<int> takeNumber(std::string_view& text, std::string_view separator
 
 }  // namespace
 
-Result<WindowPlace> parseWindowPlace(const std::string& text) {
+std::string textOf(PixelSize size) {
+  return std::to_string(size.widthPx) + "x" + std::to_string(size.heightPx);
+}
+
+Result<PixelPlace> parsePixelPlace(const std::string& flag, const std::string& text) {
   std::string_view rest = text;
   const bool hasSize = text.find('x') != std::string::npos;
-  const auto x = takeNumber(rest, ",", -kMaxPlacePx, kMaxPlacePx);
-  const auto y = x ? takeNumber(rest, hasSize ? "," : "", -kMaxPlacePx, kMaxPlacePx) : std::nullopt;
-  const auto width = y && hasSize ? takeNumber(rest, "x", 1, proto::kMaxImagePx) : std::nullopt;
-  const auto height = width ? takeNumber(rest, "", 1, proto::kMaxImagePx) : std::nullopt;
+  const auto x = takeNumber(rest, ",", -kMostPlacePx, kMostPlacePx);
+  const auto y = x ? takeNumber(rest, hasSize ? "," : "", -kMostPlacePx, kMostPlacePx) : std::nullopt;
+  const auto width = y && hasSize ? takeNumber(rest, "x", 1, kMostSidePx) : std::nullopt;
+  const auto height = width ? takeNumber(rest, "", 1, kMostSidePx) : std::nullopt;
   if (!y || (hasSize && !height)) {
-    return inputError("--window", "\"" + text + "\" is neither X,Y nor X,Y,WxH",
-                      "for example --window 1920,0 or --window 0,0,960x540");
+    return inputError(flag, "\"" + text + "\" is neither X,Y nor X,Y,WxH",
+                      "for example " + flag + " 1920,0 or " + flag + " 0,0,960x540");
   }
-  WindowPlace place{.xPx = *x, .yPx = *y};
+  PixelPlace place{.xPx = *x, .yPx = *y};
   if (hasSize) place.size = PixelSize{*width, *height};
   return place;
 }
