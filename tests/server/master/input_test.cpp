@@ -146,7 +146,8 @@ class FakeTile {
 
  private:
   net::awaitable<void> converse(std::string port, std::string name) {
-    const auto connected = co_await net::connect({"127.0.0.1", port}, net::Milliseconds(5000));
+    const net::HostPort address{"127.0.0.1", port};
+    const auto connected = co_await net::connect(address, net::Milliseconds(5000));
     if (!connected) co_return;
     const std::shared_ptr<net::Connection> master = *connected;
     master->startWriter(net::Milliseconds(5000));
