@@ -105,7 +105,7 @@ class EglSurface final : public Surface {
   Status makeCurrent() override {
     if (!eglMakeCurrent(display_, buffer_, buffer_, context_))
       return runtimeError(kWhere, complaint("eglMakeCurrent"));
-    if (Status status = checkContext(kWhere, "libGL"); !status) return status;
+    if (Status status = checkContext(kWhere); !status) return status;
     PixelSize made;
     eglQuerySurface(display_, buffer_, EGL_WIDTH, &made.widthPx);
     eglQuerySurface(display_, buffer_, EGL_HEIGHT, &made.heightPx);
@@ -130,7 +130,20 @@ class EglSurfaces final : public SurfaceMaker {
  public:
   explicit EglSurfaces(const SurfaceOptions& options) : device_(options.eglDevice) {}
 
+  /// Opens a small surface, so that a missing driver is told before the master is asked for anything.
   Status check() override {
+    if (Status status = checkLibrary(kWhere, "libGL"); !status) return status;
+    if (Status status = checkDevice(); !status) return status;
+    const auto trial = open({16, 16});
+    return trial ? (*trial)->makeCurrent() : Status(trial.error());
+  }
+
+  Result<std::unique_ptr<Surface>> make(const SurfaceRequest& request) override {
+    return open(request.picture);
+  }
+
+ private:
+  [[nodiscard]] Status checkDevice() const {
     if (!device_) return Done{};
     const std::vector<Device> devices = devicesNow();
     if (static_cast<std::size_t>(*device_) < devices.size()) return Done{};
@@ -141,17 +154,17 @@ class EglSurfaces final : public SurfaceMaker {
                       names.empty() ? "EGL tells of none; leave it out" : "there are: " + names);
   }
 
-  Result<std::unique_ptr<Surface>> make(const SurfaceRequest& request) override {
-    if (Status status = check(); !status) return status.error();
+  [[nodiscard]] Result<std::unique_ptr<Surface>> open(PixelSize size) const {
     const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     const auto displayOf =
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
-    if (!displayOf || !has(extensions, "EGL_EXT_platform_base"))
+    if (!displayOf || !has(extensions, "EGL_EXT_platform_base")) {
       return runtimeError(kWhere, "this EGL draws on displays alone",
                           "draw with --surface offscreen or window");
+    }
     std::string tried;
     const auto attempt = [&](EGLenum platform, void* native, const std::string& name) {
-      return open(displayOf(platform, native, nullptr), request.picture, name, tried);
+      return attemptOn(displayOf(platform, native, nullptr), size, name, tried);
     };
     const std::vector<Device> devices = devicesNow();
     for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -162,17 +175,14 @@ class EglSurfaces final : public SurfaceMaker {
       if (auto surface = attempt(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, "surfaceless"))
         return surface;
     }
-    return runtimeError(
-        kWhere,
-        "no OpenGL can be had; tried " +
-            (tried.empty() ? "nothing, for EGL has neither devices nor Mesa's surfaceless platform" : tried),
-        "install a driver with EGL, or draw with --surface offscreen");
+    if (tried.empty()) tried = "nothing, for EGL has neither devices nor Mesa's surfaceless platform";
+    return runtimeError(kWhere, "no OpenGL can be had; tried " + tried,
+                        "install a driver with EGL, or draw with --surface offscreen");
   }
 
- private:
   /// Null where it does not work; then `tried` says why.
-  static std::unique_ptr<Surface> open(EGLDisplay display, PixelSize size, const std::string& name,
-                                       std::string& tried) {
+  static std::unique_ptr<Surface> attemptOn(EGLDisplay display, PixelSize size, const std::string& name,
+                                            std::string& tried) {
     std::string wrong = display == EGL_NO_DISPLAY ? complaint("eglGetPlatformDisplay") : "";
     if (wrong.empty()) {
       auto surface = std::make_unique<EglSurface>(display, size);

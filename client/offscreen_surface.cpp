@@ -22,7 +22,7 @@ class OffscreenSurface final : public Surface {
   Status makeCurrent() override {
     if (!OSMesaMakeCurrent(context_, rgba_.data(), GL_UNSIGNED_BYTE, size_.widthPx, size_.heightPx))
       return runtimeError("OSMesa", "cannot make its context current");
-    return checkContext("OSMesa", "OSMesa");
+    return checkContext("OSMesa");
   }
 
   [[nodiscard]] PixelSize drawnSize() const override { return size_; }
@@ -49,7 +49,7 @@ class OffscreenSurface final : public Surface {
 
 class OffscreenSurfaces final : public SurfaceMaker {
  public:
-  Status check() override { return Done{}; }
+  Status check() override { return checkLibrary("OSMesa", "OSMesa"); }
 
   [[nodiscard]] int maxSidePx() const override {
     GLint widthPx = 0, heightPx = 0;

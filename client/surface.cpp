@@ -26,20 +26,24 @@ int integerOf(GLenum name) {
 
 }  // namespace
 
-Status checkContext(const std::string& where, std::string_view library) {
+Status checkLibrary(const std::string& where, std::string_view library) {
   Dl_info info{};
   const bool isFound = ::dladdr(reinterpret_cast<void*>(&glGetString), &info) != 0 && info.dli_fname;
   const std::string_view found = isFound ? info.dli_fname : "nowhere";
-  if (glGetString(GL_VERSION) == nullptr || found.find(library) == std::string_view::npos) {
-    return runtimeError(where, "OpenGL calls go to " + std::string(found) + " instead",
+  if (found.find(library) != std::string_view::npos) return Done{};
+  return runtimeError(where, "OpenGL calls go to " + std::string(found) + " instead",
+                      "do not preload or link another OpenGL library");
+}
+
+Status checkContext(const std::string& where) {
+  if (glGetString(GL_VERSION) == nullptr) {
+    return runtimeError(where, "OpenGL calls do not arrive in its context",
                         "do not preload or link another OpenGL library");
   }
   const int depthBits = integerOf(GL_DEPTH_BITS), stencilBits = integerOf(GL_STENCIL_BITS);
-  if (depthBits < 24 || stencilBits < 8 || integerOf(GL_SAMPLES) > 0) {
-    return runtimeError(where,
-                        "its driver has no picture of 24 bits of depth, 8 of stencil and one sample a pixel");
-  }
-  return Done{};
+  if (depthBits >= 24 && stencilBits >= 8 && integerOf(GL_SAMPLES) == 0) return Done{};
+  return runtimeError(where,
+                      "its driver has no picture of 24 bits of depth, 8 of stencil and one sample a pixel");
 }
 
 std::vector<std::uint8_t> readFramebuffer(PixelSize size) {

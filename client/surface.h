@@ -51,13 +51,14 @@ class SurfaceMaker {
   [[nodiscard]] virtual Result<std::unique_ptr<Surface>> make(const SurfaceRequest& request) = 0;
 };
 
-/// Checks the context that was just made current: OpenGL calls arrive in it and go to a library in whose file
-/// name `library` occurs; depth has at least 24 bits, stencil 8, and there are no samples to a pixel.
-/// `where` names the surface.
-///
-/// libosg calls whichever OpenGL library was linked first. Where that is not the one of the context nothing
-/// is drawn, and nobody says so.
-[[nodiscard]] Status checkContext(const std::string& where, std::string_view library);
+/// Checks that OpenGL calls go to a library in whose file name `library` occurs. libosg calls whichever
+/// OpenGL library was linked first; where that is not the one of the context nothing is drawn, and nobody
+/// says so. `where` names the surface.
+[[nodiscard]] Status checkLibrary(const std::string& where, std::string_view library);
+
+/// Checks the context that was just made current: OpenGL calls arrive in it, depth has at least 24 bits,
+/// stencil 8, and there are no samples to a pixel. `where` names the surface.
+[[nodiscard]] Status checkContext(const std::string& where);
 
 /// readPicture() of the current context's framebuffer.
 [[nodiscard]] std::vector<std::uint8_t> readFramebuffer(PixelSize size);

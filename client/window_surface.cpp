@@ -99,7 +99,7 @@ class WindowSurface final : public Surface {
 
   Status makeCurrent() override {
     glfwMakeContextCurrent(window_);
-    if (Status status = checkContext(kWhere, "libGL"); !status) return status;
+    if (Status status = checkContext(kWhere); !status) return status;
     glfwSwapInterval(waitsForRetrace_ ? 1 : 0);
     PixelSize made;
     glfwGetFramebufferSize(window_, &made.widthPx, &made.heightPx);
@@ -173,6 +173,7 @@ class WindowSurfaces final : public SurfaceMaker {
   WindowSurfaces& operator=(const WindowSurfaces&) = delete;
 
   Status check() override {
+    if (Status status = checkLibrary(kWhere, "libGL"); !status) return status;
     if (!isInitialized_ && !glfwInit()) {
       return runtimeError(
           kWhere, "no window can be opened: " + lastComplaint(),

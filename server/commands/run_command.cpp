@@ -89,12 +89,12 @@ Status makeFolder(const std::string& folder) {
 
 /// A tile's part of a rectangle that shows the whole wall, rounded so that neighbours meet.
 PixelPlace partOf(const PixelPlace& whole, const Wall& wall, const Tile& tile) {
-  if (!whole.size) return {.xPx = whole.xPx + tile.xPx, .yPx = whole.yPx + tile.yPx};
+  const PixelSize size = whole.size.value_or(PixelSize{wall.widthPx(), wall.heightPx()});
   const auto scaled = [](int at, int to, int of) {
     return static_cast<int>((2 * std::int64_t{at} * to + of) / (2 * std::int64_t{of}));
   };
-  const auto across = [&](int x) { return scaled(x, whole.size->widthPx, wall.widthPx()); };
-  const auto down = [&](int y) { return scaled(y, whole.size->heightPx, wall.heightPx()); };
+  const auto across = [&](int x) { return scaled(x, size.widthPx, wall.widthPx()); };
+  const auto down = [&](int y) { return scaled(y, size.heightPx, wall.heightPx()); };
   return {.xPx = whole.xPx + across(tile.xPx),
           .yPx = whole.yPx + down(tile.yPx),
           .size = PixelSize{across(tile.xPx + tile.widthPx) - across(tile.xPx),
@@ -119,10 +119,11 @@ Result<std::vector<std::vector<std::string>>> tileArguments(const RunFlags& flag
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     const PixelPlace part = partOf(whole, wall, wall.tiles[i]);
-    if (part.size && (part.size->widthPx < 1 || part.size->heightPx < 1))
+    if (part.size->widthPx < 1 || part.size->heightPx < 1)
       return inputError("--window", "is too small for all tiles to be seen", "make it larger");
-    all[i].push_back("--window=" + std::to_string(part.xPx) + "," + std::to_string(part.yPx) +
-                     (part.size ? "," + textOf(*part.size) : ""));
+    // With the size a tile knows before it connects whether the desktop holds its window.
+    all[i].push_back("--window=" + std::to_string(part.xPx) + "," + std::to_string(part.yPx) + "," +
+                     textOf(*part.size));
     if (flags.noVsync) all[i].emplace_back("--no-vsync");
   }
   return all;

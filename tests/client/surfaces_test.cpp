@@ -332,7 +332,8 @@ TEST_F(Windows, AWindowThatIsKilledLeavesTheOthersAlone) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("starting it again"), std::string::npos) << outcome.err;
   int whole = 0, reconnected = 0;
-  for (const auto& [name, tile] : report().at("tiles").items()) {
+  const auto json = report();
+  for (const auto& [name, tile] : json.at("tiles").items()) {
     whole += tile.at("frames_shown") == 200 ? 1 : 0;
     reconnected += tile.at("reconnects") == 1 && tile.at("frames_shown") > 50 ? 1 : 0;
   }
