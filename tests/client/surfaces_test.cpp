@@ -1,8 +1,10 @@
 // Whole programs that draw in windows and by EGL. Windows open on an X server without a screen.
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <set>
 #include <thread>
 
@@ -185,6 +187,22 @@ class Windows : public Surfaces {
   [[nodiscard]] Picture shown(int xPx, int yPx, int widthPx, int heightPx) const {
     return cut(display_.screen(), xPx, yPx, widthPx, heightPx);
   }
+  /// A master of one tile, "[WIDTH, HEIGHT]".
+  std::vector<std::string> serveArguments(const std::string& scene, const std::string& tilePx) {
+    const std::string wall = R"({"grid": {"columns": 1, "rows": 1, "tile_px": )" + tilePx + "}}";
+    return {program("tessera"), "serve", "--wall",   folder_.write("one.json", wall),
+            "--scene",          scene,   "--listen", "127.0.0.1:0"};
+  }
+  /// Its tile.
+  static std::vector<std::string> windowOf(const Process& master, std::vector<std::string> more) {
+    EXPECT_TRUE(master.waitForOut("listening on ", seconds(60))) << master.err();
+    const std::string said = master.out();
+    const std::string port = std::to_string(std::atoi(said.c_str() + said.find("127.0.0.1:") + 10));
+    std::vector<std::string> arguments = {
+        program("tessera-tile"), "--connect", "127.0.0.1:" + port, "--tile", "r0c0", "--surface", "window"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
   static std::vector<pid_t> childrenOf(pid_t parent) {
     std::vector<pid_t> children;
     std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
@@ -256,19 +274,11 @@ TEST_F(Windows, AWindowOfAnotherSizeShowsThePictureScaled) {
 }
 
 TEST_F(Windows, FullScreenFillsTheMonitor) {
-  const std::string scene = plant();
-  Process master({program("tessera"), "serve", "--wall",
-                  folder_.write("one.json", R"({"grid": {"columns": 1, "rows": 1, "tile_px": [400, 300]}})"),
-                  "--scene", scene, "--listen", "127.0.0.1:0"});
-  ASSERT_TRUE(master.waitForOut("listening on ", seconds(60))) << master.err();
-  const std::string said = master.out();
-  const std::string port = std::to_string(std::atoi(said.c_str() + said.find("127.0.0.1:") + 10));
-  Process tile({program("tessera-tile"), "--connect", "127.0.0.1:" + port, "--tile", "r0c0", "--surface",
-                "window", "--monitor", "screen"},
-               here());
+  Process master(serveArguments(plant(), "[400, 300]"));
+  Process tile(windowOf(master, {"--monitor", "screen"}), here());
   EXPECT_TRUE(eventually(seconds(20), [&] {
-    return colours(shown(0, 0, 40, 40)) > 0 && display_.screen().rgb.front() != 0 &&
-           display_.screen().rgb.back() != 0 && colours(display_.screen()) > 100;
+    const Picture now = display_.screen();
+    return now.rgb.front() != 0 && now.rgb.back() != 0 && colours(now) > 100;
   })) << tile.err();
   EXPECT_NE(tile.err().find("is drawn with the 800x600 of monitor screen"), std::string::npos) << tile.err();
   master.signal(SIGINT);
@@ -286,15 +296,19 @@ TEST_F(Windows, AWindowThatTheDesktopDoesNotHoldIsAnError) {
         run(tileArguments("window", {std::string("--window=") + place}), seconds(20), here());
     expectOneError(outcome, 2, "reaches beyond the desktop of 800x600 at 0,0");
   }
+}
+
+TEST_F(Windows, ATileThatTheScreenDoesNotHoldIsAnError) {
   const std::string scene = folder_.write("scene.obj", smallScene());
-  const std::string large =
-      folder_.write("large.json", R"({"grid": {"columns": 1, "rows": 1, "tile_px": [900, 300]}})");
-  const Outcome outcome =
-      run({program("tessera"), "run", "--wall", large, "--scene", scene, "--surface", "window"}, seconds(60),
-          here());
-  EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(outcome.err.find("a window of 900x300 at 0,0 reaches beyond the desktop"), std::string::npos)
-      << outcome.err;
+  Process master(serveArguments(scene, "[900, 300]"));
+  expectOneError(run(windowOf(master, {}), seconds(20), here()), 1,
+                 "a window of 900x300 at 0,0 reaches beyond the desktop");
+  expectOneError(run(windowOf(master, {"--monitor", "screen"}), seconds(20), here()), 1,
+                 "the tile's 900x300 pixels are more than its 800x600");
+  EXPECT_EQ(colours(display_.screen()), 1U) << "no window was opened";
+  const Outcome wall = run(runArguments(scene, "window", 10, {"--window", "400,0"}), seconds(60), here());
+  EXPECT_EQ(wall.status, 1);
+  EXPECT_NE(wall.err.find("a window of 256x192 at 656,0 reaches beyond"), std::string::npos) << wall.err;
 }
 
 TEST_F(Windows, EscapeEndsTheWholeWallInOrder) {
