@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <set>
 #include <thread>
 
@@ -13,6 +14,9 @@
 #include <signal.h>
 
 #include "common/image/picture.h"
+#include "common/scene/load_scene.h"
+#include "common/wall/wall_file.h"
+#include "server/master/master.h"
 #include "tests/programs/small_scene.h"
 #include "tests/support/process.h"
 #include "tests/support/virtual_display.h"
@@ -332,6 +336,53 @@ TEST_F(Windows, EscapeEndsTheWholeWallInOrder) {
   EXPECT_LT(json.at("frames"), 100'000);
   for (const auto& [name, tile] : json.at("tiles").items())
     EXPECT_GT(tile.at("peak_resident_bytes"), 1'000'000) << name << " did not say Bye";
+}
+
+TEST_F(Windows, WhatAPersonDoesReachesTheMaster) {
+  if (!display_.movePointer(700, 500)) GTEST_SKIP() << "libXtst, which plays the person, is not installed";
+  const auto scene = loadScene(folder_.write("scene.obj", smallScene()));
+  ASSERT_TRUE(scene) << scene.error().text();
+  const auto wall = parseWall(R"({"grid": {"columns": 1, "rows": 1, "tile_px": [400, 300]}})", "test");
+  const auto path = parseCameraPath(kStill, "test");
+  MasterOptions options;
+  options.framesPerSecond = 60;
+  Master master(*scene, *wall, *path, options);
+  const auto port = master.listen({"127.0.0.1", "0"});
+  ASSERT_TRUE(port) << port.error().text();
+  Process tile({program("tessera-tile"), "--connect", "127.0.0.1:" + std::to_string(*port), "--tile", "r0c0",
+                "--surface", "window", "--window", "100,50"},
+               here());
+  std::vector<proto::Input> seen;
+  Master::Hooks hooks;
+  hooks.whileWaitingForTiles = [] { return Status(Done{}); };
+  hooks.input = [&seen](std::uint32_t, const proto::Input& input) { seen.push_back(input); };
+  auto running = std::async(std::launch::async, [&] { return master.run(hooks, false); });
+  EXPECT_TRUE(eventually(seconds(30), [&] { return shown(499, 349, 1, 1).rgb[0] != 0; })) << tile.err();
+  const auto pause = [] { std::this_thread::sleep_for(milliseconds(200)); };
+  pause();
+  (void)display_.movePointer(200, 275);
+  pause();
+  (void)display_.clickButton(3);
+  (void)display_.clickButton(4);
+  (void)display_.pressKey('a');
+  pause();
+  (void)display_.pressKey(kEscapeKeysym);
+  const bool hasEnded = running.wait_for(seconds(10)) == std::future_status::ready;
+  if (!hasEnded) master.stop();
+  const auto report = running.get();
+  EXPECT_TRUE(hasEnded) << "Escape does not end the run";
+  ASSERT_TRUE(report) << report.error().text();
+  EXPECT_EQ(tile.wait(seconds(10)).status, 0);
+
+  using proto::InputKind;
+  const auto told = [&](const proto::Input& wanted) { return std::count(seen.begin(), seen.end(), wanted); };
+  EXPECT_EQ(told({.kind = InputKind::Move, .x = 0.25, .y = 0.75}), 1);
+  EXPECT_EQ(told({.kind = InputKind::Button, .code = 1, .pressed = true, .x = 0.25, .y = 0.75}), 1);
+  EXPECT_EQ(told({.kind = InputKind::Button, .code = 1, .pressed = false, .x = 0.25, .y = 0.75}), 1);
+  EXPECT_EQ(told({.kind = InputKind::Scroll, .y = 1}), 1);
+  EXPECT_EQ(told({.kind = InputKind::Key, .code = 'A', .pressed = true}), 1);
+  EXPECT_EQ(told({.kind = InputKind::Key, .code = 'A', .pressed = false}), 1);
+  EXPECT_EQ(told({.kind = InputKind::Quit}), 1);
 }
 
 TEST_F(Windows, AWindowThatIsKilledLeavesTheOthersAlone) {

@@ -55,6 +55,12 @@ class XTest {
     press(display_, code, 0, 0);
     finish();
   }
+  void click(unsigned button) const {
+    const auto press = function<int(void*, unsigned, int, unsigned long)>(xtst_, "XTestFakeButtonEvent");
+    press(display_, button, 1, 0);
+    press(display_, button, 0, 0);
+    finish();
+  }
   void move(int xPx, int yPx) const {
     function<int(void*, int, int, int, unsigned long)>(xtst_, "XTestFakeMotionEvent")(display_, -1, xPx, yPx,
                                                                                       0);
@@ -118,6 +124,12 @@ Picture VirtualDisplay::screen() const {
 bool VirtualDisplay::pressKey(unsigned long keysym) const {
   const XTest person(name_);
   if (person.works()) person.key(keysym);
+  return person.works();
+}
+
+bool VirtualDisplay::clickButton(unsigned button) const {
+  const XTest person(name_);
+  if (person.works()) person.click(button);
   return person.works();
 }
 

@@ -23,6 +23,8 @@ class VirtualDisplay {
   // A person at it. False: this machine has no library (libXtst) to play one.
   [[nodiscard]] bool pressKey(unsigned long keysym) const;
   [[nodiscard]] bool movePointer(int xPx, int yPx) const;
+  /// Buttons of X: 1 to 3 from the left, 4 and 5 turn the wheel up and down.
+  [[nodiscard]] bool clickButton(unsigned button) const;
 
  private:
   TemporaryFolder folder_;
