@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -383,6 +384,51 @@ TEST_F(Windows, WhatAPersonDoesReachesTheMaster) {
   EXPECT_EQ(told({.kind = InputKind::Key, .code = 'A', .pressed = true}), 1);
   EXPECT_EQ(told({.kind = InputKind::Key, .code = 'A', .pressed = false}), 1);
   EXPECT_EQ(told({.kind = InputKind::Quit}), 1);
+}
+
+// A tile that does not answer keeps the whole wall at the frame before, though its window has drawn the next.
+TEST_F(Windows, APictureIsHeldBackUntilTheWallSwaps) {
+  const auto scene = loadScene(plant());
+  ASSERT_TRUE(scene) << scene.error().text();
+  const auto wall = parseWall(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [200, 150]}})", "test");
+  const auto path = readCameraPath(config("orbit.camera.json"));
+  ASSERT_TRUE(path) << path.error().text();
+  MasterOptions options;
+  options.frames = 40;
+  options.framesPerSecond = 10;
+  options.pictureFolder = folder_.path();
+  Master master(*scene, *wall, *path, options);
+  const auto port = master.listen({"127.0.0.1", "0"});
+  ASSERT_TRUE(port) << port.error().text();
+  const std::string address = "127.0.0.1:" + std::to_string(*port);
+  Process window({program("tessera-tile"), "--connect", address, "--tile", "r0c0", "--surface", "window"},
+                 here());
+  Process other({program("tessera-tile"), "--connect", address, "--tile", "r0c1", "--surface", "none"});
+  std::atomic<std::uint64_t> sent = 0;
+  Master::Hooks hooks;
+  hooks.whileWaitingForTiles = [] { return Status(Done{}); };
+  hooks.progress = [&sent](std::uint64_t frame, std::uint64_t) { sent = frame; };
+  auto running = std::async(std::launch::async, [&] { return master.run(hooks, false); });
+  EXPECT_TRUE(eventually(seconds(30), [&] { return sent >= 5; })) << window.err();
+  other.signal(SIGSTOP);
+  std::this_thread::sleep_for(seconds(1));
+  const std::uint64_t held = sent;
+  const Picture screen = shown(0, 0, 200, 150);
+  other.signal(SIGCONT);
+  const auto report = running.get();
+  ASSERT_TRUE(report) << report.error().text();
+  ASSERT_EQ(report->frames, 40U);
+  const auto pictureOfFrame = [&](std::uint64_t frame) {
+    const std::string number = std::to_string(frame);
+    const auto picture =
+        readPng(folder_ / ("frame-" + std::string(6 - number.size(), '0') + number + ".png"));
+    EXPECT_TRUE(picture) << picture.error().text();
+    return picture ? cut(*picture, 0, 0, 200, 150) : Picture();
+  };
+  EXPECT_GT(colours(screen), 100U);
+  EXPECT_FALSE(pictureOfFrame(held).rgb == pictureOfFrame(held - 1).rgb);
+  EXPECT_TRUE(screen.rgb == pictureOfFrame(held - 1).rgb)
+      << "frame " << held << " was drawn, and not to be seen yet";
 }
 
 TEST_F(Windows, AWindowThatIsKilledLeavesTheOthersAlone) {
