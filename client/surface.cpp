@@ -56,7 +56,7 @@ std::vector<std::uint8_t> readFramebuffer(PixelSize size) {
   return rgb;
 }
 
-std::vector<std::uint8_t> resampled(const std::vector<std::uint8_t>& rgb, PixelSize from, PixelSize to) {
+std::vector<std::uint8_t> resampled(std::vector<std::uint8_t> rgb, PixelSize from, PixelSize to) {
   if (from == to) return rgb;
   // The pixel whose middle is nearest, of `count` that lie where `wanted` shall.
   const auto nearest = [](int index, int count, int wanted) {

@@ -64,7 +64,7 @@ class SurfaceMaker {
 [[nodiscard]] std::vector<std::uint8_t> readFramebuffer(PixelSize size);
 
 /// A picture as of readPicture() in another size, each pixel the nearest one.
-[[nodiscard]] std::vector<std::uint8_t> resampled(const std::vector<std::uint8_t>& rgb, PixelSize from,
+[[nodiscard]] std::vector<std::uint8_t> resampled(std::vector<std::uint8_t> rgb, PixelSize from,
                                                   PixelSize to);
 
 }  // namespace tessera

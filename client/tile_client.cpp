@@ -145,7 +145,7 @@ class TileConversation {
     if (surface_) surface_->present();
     shown.shownNs = monotonicNs();
     if (sendsPicture) {
-      rgb = resampled(rgb, surface_->drawnSize(), {welcome_.widthPx, welcome_.heightPx});
+      rgb = resampled(std::move(rgb), surface_->drawnSize(), {welcome_.widthPx, welcome_.heightPx});
       shown.picture = proto::Picture{welcome_.widthPx, welcome_.heightPx, proto::PictureFormat::RawRgb8,
                                      std::as_bytes(std::span(rgb))};
     }
