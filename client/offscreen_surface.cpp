@@ -1,10 +1,9 @@
 #include "client/offscreen_surface.h"
 
+#include <algorithm>
 #include <cstring>
-#include <string>
 
 #include <GL/osmesa.h>
-#include <dlfcn.h>
 
 namespace tessera {
 
@@ -12,41 +11,31 @@ namespace {
 
 class OffscreenSurface final : public Surface {
  public:
-  OffscreenSurface(OSMesaContext context, int widthPx, int heightPx)
+  OffscreenSurface(OSMesaContext context, PixelSize size)
       : context_(context),
-        widthPx_(static_cast<std::size_t>(widthPx)),
-        heightPx_(static_cast<std::size_t>(heightPx)),
-        rgba_(widthPx_ * heightPx_ * 4) {}
+        size_(size),
+        rgba_(static_cast<std::size_t>(size.widthPx) * static_cast<std::size_t>(size.heightPx) * 4) {}
   ~OffscreenSurface() override { OSMesaDestroyContext(context_); }
   OffscreenSurface(const OffscreenSurface&) = delete;
   OffscreenSurface& operator=(const OffscreenSurface&) = delete;
 
   Status makeCurrent() override {
-    if (!OSMesaMakeCurrent(context_, rgba_.data(), GL_UNSIGNED_BYTE, static_cast<GLsizei>(widthPx_),
-                           static_cast<GLsizei>(heightPx_))) {
+    if (!OSMesaMakeCurrent(context_, rgba_.data(), GL_UNSIGNED_BYTE, size_.widthPx, size_.heightPx))
       return runtimeError("OSMesa", "cannot make its context current");
-    }
-    // With another OpenGL library linked beside OSMesa all calls go there, and nothing is drawn, silently.
-    Dl_info info{};
-    const bool isOsMesa = ::dladdr(reinterpret_cast<void*>(&glGetString), &info) != 0 && info.dli_fname &&
-                          std::strstr(info.dli_fname, "OSMesa") != nullptr;
-    if (glGetString(GL_VERSION) == nullptr || !isOsMesa) {
-      return runtimeError(
-          "OSMesa",
-          std::string("OpenGL calls go to ") + (info.dli_fname ? info.dli_fname : "nowhere") + " instead",
-          "do not preload or link another OpenGL library");
-    }
-    return Done{};
+    return checkContext("OSMesa");
   }
 
-  void present() override { glFinish(); }
+  [[nodiscard]] PixelSize drawnSize() const override { return size_; }
+  void finish() override { glFinish(); }
+  void present() override {}
 
   [[nodiscard]] std::vector<std::uint8_t> readPicture() const override {
-    std::vector<std::uint8_t> rgb(widthPx_ * heightPx_ * 3);
+    std::vector<std::uint8_t> rgb(rgba_.size() / 4 * 3);
+    const std::size_t rowBytes = static_cast<std::size_t>(size_.widthPx) * 4;
     std::uint8_t* to = rgb.data();
-    for (std::size_t row = heightPx_; row-- > 0;) {  // OSMesa's rows go up
-      const std::uint8_t* from = rgba_.data() + row * widthPx_ * 4;
-      for (std::size_t x = 0; x < widthPx_; ++x, from += 4, to += 3)
+    for (std::size_t end = rgba_.size(); end > 0; end -= rowBytes) {  // OSMesa's rows go up
+      const std::uint8_t* from = rgba_.data() + end - rowBytes;
+      for (int x = 0; x < size_.widthPx; ++x, from += 4, to += 3)
         std::memcpy(to, from, 3);
     }
     return rgb;
@@ -54,36 +43,43 @@ class OffscreenSurface final : public Surface {
 
  private:
   OSMesaContext context_;
-  std::size_t widthPx_, heightPx_;
+  PixelSize size_;
   std::vector<std::uint8_t> rgba_;
+};
+
+class OffscreenSurfaces final : public SurfaceMaker {
+ public:
+  Status check() override { return checkLibrary("OSMesa", "OSMesa"); }
+
+  [[nodiscard]] int maxSidePx() const override {
+    GLint widthPx = 0, heightPx = 0;
+    OSMesaGetIntegerv(OSMESA_MAX_WIDTH, &widthPx);
+    OSMesaGetIntegerv(OSMESA_MAX_HEIGHT, &heightPx);
+    return std::min(widthPx, heightPx);
+  }
+
+  Result<std::unique_ptr<Surface>> make(const SurfaceRequest& request) override {
+    static constexpr int attributes[] = {OSMESA_FORMAT,
+                                         OSMESA_RGBA,
+                                         OSMESA_DEPTH_BITS,
+                                         24,
+                                         OSMESA_STENCIL_BITS,
+                                         8,
+                                         OSMESA_ACCUM_BITS,
+                                         0,
+                                         OSMESA_PROFILE,
+                                         OSMESA_COMPAT_PROFILE,
+                                         0};
+    if (OSMesaContext context = OSMesaCreateContextAttribs(attributes, nullptr))
+      return std::unique_ptr<Surface>(std::make_unique<OffscreenSurface>(context, request.picture));
+    return runtimeError("OSMesa", "cannot create an OpenGL context");
+  }
 };
 
 }  // namespace
 
-int maxOffscreenSidePx() {
-  GLint side = 0;
-  OSMesaGetIntegerv(OSMESA_MAX_WIDTH, &side);
-  GLint height = 0;
-  OSMesaGetIntegerv(OSMESA_MAX_HEIGHT, &height);
-  return side < height ? side : height;
-}
-
-Result<std::unique_ptr<Surface>> makeOffscreenSurface(int widthPx, int heightPx) {
-  static constexpr int attributes[] = {OSMESA_FORMAT,
-                                       OSMESA_RGBA,
-                                       OSMESA_DEPTH_BITS,
-                                       24,
-                                       OSMESA_STENCIL_BITS,
-                                       8,
-                                       OSMESA_ACCUM_BITS,
-                                       0,
-                                       OSMESA_PROFILE,
-                                       OSMESA_COMPAT_PROFILE,
-                                       0};
-  if (OSMesaContext context = OSMesaCreateContextAttribs(attributes, nullptr)) {
-    return std::unique_ptr<Surface>(std::make_unique<OffscreenSurface>(context, widthPx, heightPx));
-  }
-  return runtimeError("OSMesa", "cannot create an OpenGL context");
+std::unique_ptr<SurfaceMaker> makeOffscreenSurfaces() {
+  return std::make_unique<OffscreenSurfaces>();
 }
 
 }  // namespace tessera

@@ -6,7 +6,6 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "client/offscreen_surface.h"
 #include "client/tile_cache.h"
 #include "client/tile_view.h"
 #include "common/base/host.h"
@@ -21,28 +20,34 @@ using net::awaitable;
 
 constexpr net::Milliseconds kHandshakeDeadline{10'000};
 constexpr net::Milliseconds kWriteDeadline{10'000};
+constexpr std::chrono::microseconds kPollPeriod{16'667};  // 60 Hz
 
 /// One conversation with the master, from Welcome to the end.
 class TileConversation {
  public:
-  TileConversation(std::shared_ptr<net::Connection> master, proto::Welcome welcome, proto::SurfaceKind kind)
+  /// `surfaces` is null where nothing is drawn.
+  TileConversation(net::asio::io_context& io, std::shared_ptr<net::Connection> master, proto::Welcome welcome,
+                   SurfaceMaker* surfaces)
       : master_(std::move(master)),
         welcome_(std::move(welcome)),
-        kind_(kind),
-        cache_(kind != proto::SurfaceKind::None) {}
+        surfaces_(surfaces),
+        nextPoll_(io),
+        cache_(surfaces != nullptr) {}
 
   Status openSurface() {
-    if (kind_ == proto::SurfaceKind::None) return Done{};
-    if (welcome_.widthPx > maxOffscreenSidePx() || welcome_.heightPx > maxOffscreenSidePx()) {
+    if (!surfaces_) return Done{};
+    const PixelSize picture{welcome_.widthPx, welcome_.heightPx};
+    const int maxSidePx = surfaces_->maxSidePx();
+    if (maxSidePx > 0 && (picture.widthPx > maxSidePx || picture.heightPx > maxSidePx)) {
       return runtimeError("tile " + welcome_.tileName,
-                          "is larger than OSMesa's " + std::to_string(maxOffscreenSidePx()) + " pixels",
+                          "is larger than the " + std::to_string(maxSidePx) + " pixels that can be drawn",
                           "cut the wall into smaller tiles");
     }
-    auto surface = makeOffscreenSurface(welcome_.widthPx, welcome_.heightPx);
+    auto surface = surfaces_->make({.tileName = welcome_.tileName, .picture = picture});
     if (!surface) return surface.error();
     surface_ = std::move(*surface);
     if (Status status = surface_->makeCurrent(); !status) return status;
-    view_.emplace(welcome_);
+    view_.emplace(welcome_, surface_->drawnSize());
     return Done{};
   }
 
@@ -64,6 +69,27 @@ class TileConversation {
       }
     }
     co_return Done{};
+  }
+
+  [[nodiscard]] bool hasWindow() const { return surface_ && surface_->hasEvents(); }
+
+  /// Answers the window system and tells the master what was done at the window, until stopWatching().
+  awaitable<void> watchWindow() {
+    std::vector<proto::Input> inputs;
+    while (!stopped_) {
+      inputs.clear();
+      surface_->poll(inputs);
+      for (const proto::Input& input : inputs)
+        master_->send(proto::encode(input));
+      nextPoll_.expires_after(kPollPeriod);
+      net::error_code ec;
+      co_await nextPoll_.async_wait(net::asio::redirect_error(net::asio::use_awaitable, ec));
+    }
+  }
+
+  void stopWatching() {
+    stopped_ = true;
+    nextPoll_.cancel();
   }
 
  private:
@@ -107,7 +133,7 @@ class TileConversation {
     if (view_) {
       if (frame.toggles.size() > 1) view_->setList(list_, cache_);
       if (Status status = view_->draw(frame, factsOf(frame)); !status) return status;
-      surface_->present();
+      surface_->finish();
     }
     const auto drawUs = static_cast<std::uint32_t>((monotonicNs() - start) / 1000);
     isReady_ = true;
@@ -130,11 +156,16 @@ class TileConversation {
     if (!isReady_ || swap.frame != frame_) return Done{};  // of a frame that we never had
     isReady_ = false;
     ++framesShown_;
-    proto::Shown shown{.frame = frame_, .shownNs = monotonicNs(), .picture = std::nullopt};
-    rate_.shown(shown.shownNs);
+    proto::Shown shown{.frame = frame_, .shownNs = 0, .picture = std::nullopt};
     std::vector<std::uint8_t> rgb;
-    if (wantPicture_ && surface_ && welcome_.picture == proto::PictureFormat::RawRgb8) {
-      rgb = surface_->readPicture();
+    const bool sendsPicture = wantPicture_ && surface_ && welcome_.picture == proto::PictureFormat::RawRgb8;
+    // Once presented, the picture of a window is the window system's.
+    if (sendsPicture) rgb = surface_->readPicture();
+    if (surface_) surface_->present();
+    shown.shownNs = monotonicNs();
+    rate_.shown(shown.shownNs);
+    if (sendsPicture) {
+      rgb = resampled(std::move(rgb), surface_->drawnSize(), {welcome_.widthPx, welcome_.heightPx});
       shown.picture = proto::Picture{welcome_.widthPx, welcome_.heightPx, proto::PictureFormat::RawRgb8,
                                      std::as_bytes(std::span(rgb))};
     }
@@ -166,8 +197,10 @@ class TileConversation {
 
   std::shared_ptr<net::Connection> master_;
   const proto::Welcome welcome_;
-  const proto::SurfaceKind kind_;
+  SurfaceMaker* const surfaces_;
   std::unique_ptr<Surface> surface_;
+  net::asio::steady_timer nextPoll_;
+  bool stopped_ = false;
   TileCache cache_;
   std::optional<TileView> view_;
   VisibleList list_, nextList_, toggled_;
@@ -199,11 +232,12 @@ class TileGroup {
       connections_.push_back(*connected);
       auto tile = co_await join(*connected, name);
       if (!tile) co_return fail(tile.error());
+      if ((*tile)->hasWindow()) spawn(watch(*tile));
       spawn(converse(std::move(*tile)));
     }
   }
 
-  awaitable<Result<std::unique_ptr<TileConversation>>> join(std::shared_ptr<net::Connection> master,
+  awaitable<Result<std::shared_ptr<TileConversation>>> join(std::shared_ptr<net::Connection> master,
                                                             std::string name) {
     master->startWriter(kWriteDeadline);
     proto::Hello hello;
@@ -212,9 +246,8 @@ class TileGroup {
     hello.clockId = hostClockId();
     hello.surface = options_.surface;
     hello.pid = static_cast<std::uint32_t>(::getpid());
-    if (options_.surface == proto::SurfaceKind::Offscreen) {
-      hello.maxWidthPx = hello.maxHeightPx = static_cast<std::uint32_t>(maxOffscreenSidePx());
-    }
+    if (options_.surfaces)
+      hello.maxWidthPx = hello.maxHeightPx = static_cast<std::uint32_t>(options_.surfaces->maxSidePx());
     master->send(proto::encode(hello));
     auto reply = co_await master->read(proto::Expect::WelcomeOrError, kHandshakeDeadline);
     if (!reply) co_return reply.error();
@@ -224,7 +257,7 @@ class TileGroup {
     }
     auto welcome = proto::decodeWelcome(reply->payload);
     if (!welcome) co_return welcome.error();
-    auto tile = std::make_unique<TileConversation>(master, std::move(*welcome), options_.surface);
+    auto tile = std::make_shared<TileConversation>(io_, master, std::move(*welcome), options_.surfaces);
     if (Status status = tile->openSurface(); !status) {
       master->send(proto::encode(proto::ErrorMessage{proto::ErrorCode::Internal, status.error().text()}));
       co_return status.error();
@@ -232,8 +265,11 @@ class TileGroup {
     co_return tile;
   }
 
-  awaitable<void> converse(std::unique_ptr<TileConversation> tile) {
+  awaitable<void> watch(std::shared_ptr<TileConversation> tile) { co_await tile->watchWindow(); }
+
+  awaitable<void> converse(std::shared_ptr<TileConversation> tile) {
     const Status status = co_await tile->run();
+    tile->stopWatching();
     if (!status) co_return fail(status.error());
     tile->master()->closeAfterSending();
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "client/surface.h"
 #include "common/base/result.h"
 #include "common/net/connection.h"
 #include "proto/messages.h"
@@ -14,6 +15,7 @@ struct TileOptions {
   net::HostPort master;
   std::vector<std::string> tileNames;  ///< several only where nothing is drawn
   proto::SurfaceKind surface = proto::SurfaceKind::Offscreen;
+  SurfaceMaker* surfaces = nullptr;  ///< of that kind; null where nothing is drawn
   std::chrono::milliseconds connectDeadline{10'000};
 };
 

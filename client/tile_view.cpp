@@ -128,13 +128,14 @@ class LeafListNode : public osg::Node {
   Mat3 rotation_ = Mat3::Identity();
 };
 
-TileView::TileView(const proto::Welcome& welcome)
+TileView::TileView(const proto::Welcome& welcome, PixelSize drawn)
     : window_{welcome.xPx,      welcome.yPx,         welcome.widthPx,
               welcome.heightPx, welcome.wallWidthPx, welcome.wallHeightPx},
+      drawn_(drawn),
       leaves_(new LeafListNode) {
   viewer_.setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
   viewer_.setUseConfigureAffinity(false);  // else every tile process would pin itself to the same core
-  viewer_.setUpViewerAsEmbeddedInWindow(0, 0, window_.widthPx, window_.heightPx);
+  viewer_.setUpViewerAsEmbeddedInWindow(0, 0, drawn.widthPx, drawn.heightPx);
   viewer_.setLightingMode(osg::View::NO_LIGHT);
   osg::Camera& camera = *viewer_.getCamera();
   camera.setClearColor(
@@ -162,11 +163,11 @@ Status TileView::configure(const proto::TileSetup& setup) {
 }
 
 bool TileView::fillsWindow(const PixelArea& area) const {
-  return area == PixelArea{0, 0, window_.widthPx, window_.heightPx};
+  return area == PixelArea{0, 0, drawn_.widthPx, drawn_.heightPx};
 }
 
 Status TileView::draw(const proto::Frame& frame, const OverlayFacts& facts) {
-  const auto views = eyeViews(frame, window_.widthPx, window_.heightPx);
+  const auto views = eyeViews(frame, drawn_.widthPx, drawn_.heightPx);
   if (!views) return views.error();
   for (const EyeView& view : *views) {
     selectBuffer(view.buffer);

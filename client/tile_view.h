@@ -26,11 +26,12 @@ class LeafListNode;
 /// All tiles draw with the projection of the whole wall into a viewport of the wall's size, of which their
 /// window is a part. Clip coordinates are then the same floats on every tile, so that edges and nearly
 /// coinciding surfaces meet at the seams; with a projection for each tile their rounding would differ. A wall
-/// beyond OpenGL's largest viewport is drawn with a projection for each tile.
+/// beyond OpenGL's largest viewport is drawn with a projection for each tile, as is a tile whose drawn size
+/// is not its own.
 class TileView {
  public:
-  /// Size, place and background are those of `welcome`.
-  explicit TileView(const proto::Welcome& welcome);
+  /// Size, place and background are those of `welcome`; `drawn` is the size of the surface.
+  TileView(const proto::Welcome& welcome, PixelSize drawn);
   ~TileView();
   TileView(const TileView&) = delete;
   TileView& operator=(const TileView&) = delete;
@@ -55,6 +56,7 @@ class TileView {
   [[nodiscard]] bool fillsWindow(const PixelArea& area) const;
 
   const Window window_;
+  const PixelSize drawn_;
   bool wallViewportFits_ = false;
   osg::ref_ptr<LeafListNode> leaves_;
   osgViewer::Viewer viewer_;

@@ -31,6 +31,7 @@ using Bytes = std::vector<std::byte>;
 [[nodiscard]] Bytes encode(const Bye& bye);
 [[nodiscard]] Bytes encode(const ErrorMessage& error);
 [[nodiscard]] Bytes encode(const TileSetup& setup);
+[[nodiscard]] Bytes encode(const Input& input);
 
 /// Encodes the messages of every frame to the bytes of encode(), in memory that is kept: does not allocate
 /// once warm.
@@ -68,9 +69,10 @@ class Encoder {
 [[nodiscard]] Result<Bye> decodeBye(std::span<const std::byte> payload);
 [[nodiscard]] Result<ErrorMessage> decodeError(std::span<const std::byte> payload);
 [[nodiscard]] Result<TileSetup> decodeTileSetup(std::span<const std::byte> payload);
+[[nodiscard]] Result<Input> decodeInput(std::span<const std::byte> payload);
 
 using AnyMessage = std::variant<Hello, Welcome, Assets, Leaves, Frame, Ready, Swap, Shown, Ping, Pong, Bye,
-                                ErrorMessage, TileSetup>;
+                                ErrorMessage, TileSetup, Input>;
 
 /// The decoder that belongs to `type`; the terms above hold.
 [[nodiscard]] Result<AnyMessage> decode(MessageType type, std::span<const std::byte> payload);

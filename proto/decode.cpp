@@ -28,6 +28,21 @@ std::array<float, 3> colour(DecodeCheck& check, const wire::Rgb* rgb) {
   return channels;
 }
 
+/// A number from `least` to `limit`; no comparison holds for NaN.
+template <class Float>
+Float within(DecodeCheck& check, Float number, Float least, Float limit, std::string_view field) {
+  check.require(number >= least && number <= limit, ProtocolError::BadNumber, field);
+  return number;
+}
+
+std::array<float, 6> gamepadAxes(DecodeCheck& check, const wire::Axes* axes) {
+  const wire::Axes copy = DecodeCheck::copyOf(axes);
+  std::array<float, 6> values = {};
+  for (std::uint16_t i = 0; i < 6; ++i)
+    values[i] = within(check, copy.values()->Get(i), -1.0F, 1.0F, "axes");
+  return values;
+}
+
 }  // namespace
 
 Result<Hello> decodeHello(std::span<const std::byte> payload) {
@@ -117,6 +132,26 @@ Result<ErrorMessage> decodeError(std::span<const std::byte> payload) {
                                    .text = check.text(error->text(), "text")});
 }
 
+Result<Input> decodeInput(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Input);
+  const auto* input = check.root<wire::Input>(payload);
+  if (input == nullptr) return check.error();
+  const InputKind kind = check.enumeration(input->kind(), InputKind::Gamepad, "kind");
+  const double least = kind == InputKind::Scroll ? -kMaxScrollSteps : 0;
+  const double limit = kind == InputKind::Scroll ? kMaxScrollSteps : 1;
+  check.require(input->code() >= 0 && input->code() <= kMaxInputCode, ProtocolError::BadNumber, "code");
+  check.require(input->modifiers() >> kInputModifierBits == 0, ProtocolError::BadNumber, "modifiers");
+  check.require(input->buttons() >> kGamepadButtonBits == 0, ProtocolError::BadNumber, "buttons");
+  return check.finish(Input{.kind = kind,
+                            .code = input->code(),
+                            .pressed = input->pressed(),
+                            .modifiers = input->modifiers(),
+                            .x = within(check, input->x(), least, limit, "x"),
+                            .y = within(check, input->y(), least, limit, "y"),
+                            .axes = gamepadAxes(check, input->axes()),
+                            .buttons = input->buttons()});
+}
+
 Result<AnyMessage> decode(MessageType type, std::span<const std::byte> payload) {
   switch (type) {
     case MessageType::Hello:
@@ -145,6 +180,8 @@ Result<AnyMessage> decode(MessageType type, std::span<const std::byte> payload) 
       return toAny(decodeError(payload));
     case MessageType::TileSetup:
       return toAny(decodeTileSetup(payload));
+    case MessageType::Input:
+      return toAny(decodeInput(payload));
   }
   return protocolError(ProtocolError::UnknownType, "message");
 }

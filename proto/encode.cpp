@@ -27,6 +27,7 @@ static_assert(int(wire::AssetKind::MAX) == int(AssetKind::Image));
 static_assert(int(wire::BillboardMode::MAX) == int(BillboardMode::AxialRot));
 static_assert(int(wire::Pattern::MAX) == int(Pattern::Alignment));
 static_assert(int(wire::StereoLayout::MAX) == int(StereoLayout::QuadBuffer));
+static_assert(int(wire::InputKind::MAX) == int(InputKind::Gamepad));
 static_assert(int(wire::ErrorCode::MAX) == int(ErrorCode::ShuttingDown));
 
 wire::Vec3 toWire(const Vec3& v) {
@@ -282,6 +283,14 @@ Bytes encode(const TileSetup& setup) {
   return finish(builder, MessageType::TileSetup,
                 wire::CreateTileSetup(builder, screenName, setup.screenWidthM, setup.screenHeightM, &corners,
                                       &gain, &black, setup.gamma, &blend, warp));
+}
+
+Bytes encode(const Input& input) {
+  Builder builder(kSmallBytes);
+  const wire::Axes axes(flatbuffers::span<const float, 6>(input.axes.data(), input.axes.size()));
+  return finish(builder, MessageType::Input,
+                wire::CreateInput(builder, static_cast<wire::InputKind>(input.kind), input.code,
+                                  input.pressed, input.modifiers, input.x, input.y, &axes, input.buttons));
 }
 
 }  // namespace tessera::proto

@@ -77,6 +77,8 @@ std::string_view nameOf(MessageType type) {
       return "Error";
     case MessageType::TileSetup:
       return "TileSetup";
+    case MessageType::Input:
+      return "Input";
   }
   return "unknown";
 }

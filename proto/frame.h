@@ -44,10 +44,11 @@ enum class MessageType : std::uint16_t {
   Bye = 11,
   Error = 12,
   TileSetup = 13,
+  Input = 14,
 };
 
 [[nodiscard]] constexpr bool isKnown(MessageType type) {
-  return type >= MessageType::Hello && type <= MessageType::TileSetup;
+  return type >= MessageType::Hello && type <= MessageType::Input;
 }
 
 /// What a receiver is ready to accept; decides which message types may come.
@@ -61,7 +62,7 @@ enum class Expect {
 
 [[nodiscard]] constexpr bool isFromTile(MessageType type) {
   return type == MessageType::Ready || type == MessageType::Shown || type == MessageType::Pong ||
-         type == MessageType::Bye || type == MessageType::Error;
+         type == MessageType::Bye || type == MessageType::Error || type == MessageType::Input;
 }
 
 [[nodiscard]] constexpr bool isFromMaster(MessageType type) {
@@ -112,6 +113,7 @@ inline constexpr std::uint32_t kMaxPayloadBytes = 256U << 20U;
     case MessageType::Swap:
     case MessageType::Ping:
     case MessageType::Pong:
+    case MessageType::Input:
       return 256;
   }
   return 0;

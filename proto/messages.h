@@ -189,6 +189,27 @@ struct Bye {
   friend bool operator==(const Bye&, const Bye&) = default;
 };
 
+enum class InputKind : std::uint8_t { Quit = 0, Key = 1, Button = 2, Move = 3, Scroll = 4, Gamepad = 5 };
+
+/// Limits of Input: codes, steps of a wheel at once, bits of modifiers and of a gamepad's buttons.
+inline constexpr std::int32_t kMaxInputCode = 1023;
+inline constexpr double kMaxScrollSteps = 1000;
+inline constexpr std::uint32_t kInputModifierBits = 6, kGamepadButtonBits = 15;
+
+/// Tile to master: what a person did at the tile's window. Numbers of keys, buttons, modifiers and the
+/// gamepad's order of axes and buttons are those of GLFW 3.3.
+struct Input {
+  InputKind kind = InputKind::Quit;
+  std::int32_t code = 0;        ///< of Key and Button: which one; of Gamepad: which of the machine's
+  bool pressed = false;         ///< of Key and Button: else it was released
+  std::uint32_t modifiers = 0;  ///< of Key and Button: bits, held at that time
+  double x = 0, y = 0;  ///< Button, Move: place in the tile's picture, 0 to 1 from its upper left. Scroll:
+                        ///< steps to the right and up
+  std::array<float, 6> axes = {0, 0, 0, 0, 0, 0};  ///< of Gamepad, -1 to 1: left x, y, right x, y, triggers
+  std::uint32_t buttons = 0;                       ///< of Gamepad: a bit for each that is held
+  friend bool operator==(const Input&, const Input&) = default;
+};
+
 enum class ErrorCode : std::uint16_t {
   Internal = 0,
   UnknownTile = 1,

@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/base/file.h"
+#include "common/base/pixel_place.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
 #include "server/commands/progress.h"
@@ -23,9 +24,9 @@ struct RunFlags {
   CullFlags cull;
   std::uint64_t frames = 120, pictureEvery = 1;
   std::size_t tilesPerProcess = 1;
-  std::string out, surface = "offscreen", json, frameLog;
+  std::string out, surface = "offscreen", window, json, frameLog;
   double framesPerSecond = 0, frameDeadlineS = 10, tilesDeadlineS = 30;
-  bool untiled = false, noPictures = false;
+  bool untiled = false, noPictures = false, noVsync = false;
 };
 
 MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOptions) {
@@ -36,8 +37,7 @@ MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOpti
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));
   options.tilesDeadline = std::chrono::milliseconds(static_cast<int>(flags.tilesDeadlineS * 1000));
-  if (!flags.out.empty() && !flags.noPictures && flags.surface == "offscreen")
-    options.pictureFolder = flags.out;
+  if (!flags.out.empty() && !flags.noPictures && flags.surface != "none") options.pictureFolder = flags.out;
   options.pictureEvery = flags.pictureEvery;
   options.countTriangles = !flags.frameLog.empty();
   return options;
@@ -87,14 +87,57 @@ Status makeFolder(const std::string& folder) {
   return Done{};
 }
 
-/// `perProcess` 0: all in one.
-Status startTiles(TileProcesses& processes, const Wall& wall, std::size_t perProcess) {
+/// A tile's part of a rectangle that shows the whole wall, rounded so that neighbours meet.
+PixelPlace partOf(const PixelPlace& whole, const Wall& wall, const Tile& tile) {
+  const PixelSize size = whole.size.value_or(PixelSize{wall.widthPx(), wall.heightPx()});
+  const auto scaled = [](int at, int to, int of) {
+    return static_cast<int>((2 * std::int64_t{at} * to + of) / (2 * std::int64_t{of}));
+  };
+  const auto across = [&](int x) { return scaled(x, size.widthPx, wall.widthPx()); };
+  const auto down = [&](int y) { return scaled(y, size.heightPx, wall.heightPx()); };
+  return {.xPx = whole.xPx + across(tile.xPx),
+          .yPx = whole.yPx + down(tile.yPx),
+          .size = PixelSize{across(tile.xPx + tile.widthPx) - across(tile.xPx),
+                            down(tile.yPx + tile.heightPx) - down(tile.yPx)}};
+}
+
+/// What each tile is told of its window: they show the wall's picture together.
+Result<std::vector<std::vector<std::string>>> tileArguments(const RunFlags& flags, const Wall& wall) {
+  std::vector<std::vector<std::string>> all(wall.tiles.size());
+  if (flags.surface != "window") {
+    if (!flags.window.empty() || flags.noVsync) {
+      return inputError(flags.noVsync ? "--no-vsync" : "--window", "is for windows alone",
+                        "leave it out, or add --surface window");
+    }
+    return all;
+  }
+  PixelPlace whole;
+  if (!flags.window.empty()) {
+    const auto place = parsePixelPlace("--window", flags.window);
+    if (!place) return place.error();
+    whole = *place;
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const PixelPlace part = partOf(whole, wall, wall.tiles[i]);
+    if (part.size->widthPx < 1 || part.size->heightPx < 1)
+      return inputError("--window", "is too small for all tiles to be seen", "make it larger");
+    // With the size a tile knows before it connects whether the desktop holds its window.
+    all[i].push_back("--window=" + std::to_string(part.xPx) + "," + std::to_string(part.yPx) + "," +
+                     textOf(*part.size));
+    if (flags.noVsync) all[i].emplace_back("--no-vsync");
+  }
+  return all;
+}
+
+/// `perProcess` 0: all in one. `arguments` are by tile; those of its first are a process's.
+Status startTiles(TileProcesses& processes, const Wall& wall, std::size_t perProcess,
+                  const std::vector<std::vector<std::string>>& arguments) {
   const std::size_t count = wall.tiles.size(), step = perProcess == 0 ? count : std::min(perProcess, count);
   for (std::size_t first = 0; first < count; first += step) {
     std::vector<std::string> names;
     for (std::size_t i = first; i < std::min(count, first + step); ++i)
       names.push_back(wall.tiles[i].name);
-    if (Status status = processes.start(std::move(names)); !status) return status;
+    if (Status status = processes.start(std::move(names), arguments[first]); !status) return status;
   }
   return Done{};
 }
@@ -109,6 +152,8 @@ Status runWall(const RunFlags& flags) {
   auto wall = flags.files.readWall();
   if (!wall) return wall.error();
   if (flags.untiled) *wall = wall->untiled();
+  const auto arguments = tileArguments(flags, *wall);
+  if (!arguments) return arguments.error();
   const auto camera = flags.files.readCamera();
   if (!camera) return camera.error();
   const auto program = findTileProgram();
@@ -126,7 +171,7 @@ Status runWall(const RunFlags& flags) {
                        .masterAddress = "127.0.0.1:" + std::to_string(*port),
                        .surface = flags.surface,
                        .singleThreadedDrawing = wall->tiles.size() >= std::thread::hardware_concurrency()});
-  if (Status status = startTiles(tiles, *wall, flags.tilesPerProcess); !status) return status;
+  if (Status status = startTiles(tiles, *wall, flags.tilesPerProcess, *arguments); !status) return status;
   Progress progress("frames", flags.frames);
   const Master::Hooks hooks{
       .whileWaitingForTiles = [&tiles] { return tiles.check(false); },
@@ -170,9 +215,16 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
   app->add_option("--json", flags->json, "Write the report to this file");
   app->add_option("--frame-log", flags->frameLog,
                   "Write every frame's time, pairs and triangles to this file, as JSON Lines");
-  app->add_option("--surface", flags->surface, "Where tiles draw: offscreen, or none (all but the drawing)")
+  app->add_option(
+         "--surface", flags->surface,
+         "Where tiles draw: offscreen (in memory, by OSMesa), window (on this desktop), egl (in memory, by "
+         "the GPU), or none (all but the drawing)")
       ->capture_default_str()
-      ->check(CLI::IsMember({"offscreen", "none"}));
+      ->check(CLI::IsMember({"offscreen", "window", "egl", "none"}));
+  app->add_option("--window", flags->window,
+                  "With --surface window: place of the whole wall on the desktop, X,Y or X,Y,WxH; 0,0 in the "
+                  "wall's size where nothing is said");
+  app->add_flag("--no-vsync", flags->noVsync, "With --surface window: do not wait for the monitors");
   app->add_option("--tiles-per-process", flags->tilesPerProcess,
                   "With --surface none: so many tiles in each tile process; 0: all in one")
       ->capture_default_str();

@@ -42,6 +42,7 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
       context_{.wall = wall,
                .leafCount = static_cast<std::uint32_t>(scene.leaves.size()),
                .roster = roster_,
+               .inputs = inputs_,
                .pictures = pictures_.get(),
                .deadlines = {},
                .handshakes = 0},
@@ -50,6 +51,7 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
   trianglesBefore_.push_back(0);
   for (const SceneLeaf& leaf : scene.leaves)
     trianglesBefore_.push_back(trianglesBefore_.back() + leaf.triangles);
+  newInputs_.reserve(InputQueue::kCapacity);
   mirrors_.reserve(wall.tiles.size());
   for (std::size_t i = 0; i < wall.tiles.size(); ++i)
     mirrors_.emplace_back(scene, assetNumbers_);
@@ -104,7 +106,10 @@ CameraPose Master::poseOf(std::uint64_t frame) const {
 }
 
 Status Master::waitForTiles(const Hooks& hooks, bool mayStartWithout) {
-  const auto bound = roster_.waitAllBound(Clock::now() + options_.tilesDeadline, hooks.whileWaitingForTiles);
+  const auto bound = roster_.waitAllBound(Clock::now() + options_.tilesDeadline, [&] {
+    takeInputs(hooks);
+    return hooks.whileWaitingForTiles();
+  });
   if (!bound) return bound.error();
   if (*bound || roster_.stopping()) return Done{};
   std::string names;
@@ -132,6 +137,8 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
        ++next) {
     pace(next);
     const std::int64_t startCpuNs = threadCpuNs();
+    takeInputs(hooks);
+    if (roster_.stopping()) break;
     auto start = Clock::now();
     viewInto(wall_, poseOf(next), sphere.center, sphere.radius, view);
     culler.update(view);
@@ -162,6 +169,16 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
   }
   fillReport();
   return std::move(report_);
+}
+
+void Master::takeInputs(const Hooks& hooks) {
+  inputs_.drainInto(newInputs_);
+  for (const TileInput& one : newInputs_) {
+    if (hooks.input) hooks.input(one.tile, one.input);
+    if (one.input.kind != proto::InputKind::Quit) continue;
+    spdlog::info("tile {} was asked to end the wall", roster_.nameOf(one.tile));
+    stop();
+  }
 }
 
 void Master::pace(std::uint64_t frame) {

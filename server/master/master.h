@@ -18,6 +18,7 @@
 #include "common/wall/camera_path.h"
 #include "common/wall/wall.h"
 #include "proto/codec.h"
+#include "server/master/input_queue.h"
 #include "server/master/picture_writer.h"
 #include "server/master/run_report.h"
 #include "server/master/tile_mirror.h"
@@ -64,6 +65,9 @@ class Master {
     std::function<Status()> whileWaitingForTiles;  ///< called often; an error ends the run
     std::function<void()> eachFrame;               ///< called once a frame
     std::function<void(std::uint64_t done, std::uint64_t all)> progress;
+    /// What a person did at the window of a tile (its index), on the thread of run(), before the frame's pose
+    /// is asked for. Quit, which ends the run in order, is told of, too.
+    std::function<void(std::uint32_t tile, const proto::Input& input)> input = {};
   };
   /// Runs until the frames are done or stop() was called. `mayStartWithout`: where tiles are missing at the
   /// deadline, start all the same (they may join later); else that is an error that names them.
@@ -78,6 +82,7 @@ class Master {
   [[nodiscard]] CameraPose poseOf(std::uint64_t frame) const;
   net::awaitable<void> acceptTiles(net::tcp::acceptor acceptor);
   [[nodiscard]] Status waitForTiles(const Hooks& hooks, bool mayStartWithout);
+  void takeInputs(const Hooks& hooks);
   void reserveReport();
   void sendFrame(std::uint64_t frame, const WallView& view, const WallCuller& culler,
                  const cull::Changes& changes);
@@ -102,10 +107,12 @@ class Master {
   net::asio::io_context io_{1};
   net::asio::executor_work_guard<net::asio::io_context::executor_type> work_;
   TileRoster roster_;
+  InputQueue inputs_;
   std::unique_ptr<PictureWriter> pictures_;
   SessionContext context_;
   const AssetNumbers assetNumbers_;
   std::vector<TileMirror> mirrors_;
+  std::vector<TileInput> newInputs_;
   proto::Encoder encoder_;
   VisibleList wholeList_;
   std::vector<TileRoster::Peer> peers_;  ///< who was sent the last frame

@@ -12,6 +12,29 @@ namespace {
 using net::awaitable;
 using proto::ErrorCode;
 
+/// Counts the Input messages of one tile in each second.
+class InputRate {
+ public:
+  /// False: it is more than a tile may send (PROTOCOL.md).
+  [[nodiscard]] bool countOne() {
+    const auto now = net::Clock::now();
+    if (now - start_ >= std::chrono::seconds(1)) start_ = now, count_ = 0;
+    return ++count_ <= kMostPerSecond;
+  }
+
+ private:
+  static constexpr int kMostPerSecond = 1000;
+  net::Clock::time_point start_ = net::Clock::now();
+  int count_ = 0;
+};
+
+/// A tile's conversation after the handshake.
+struct Talk {
+  TileRoster::Binding binding;
+  InputRate inputRate = {};
+  bool left = false;  ///< it has ended, in order
+};
+
 void refuse(net::Connection& peer, ErrorCode code, const std::string& text) {
   spdlog::warn("{}: refused: {}", peer.peer(), text);
   peer.send(proto::encode(proto::ErrorMessage{code, text}));
@@ -55,9 +78,9 @@ awaitable<void> keepAsking(std::weak_ptr<net::Connection> weak, net::Millisecond
   }
 }
 
-/// One message of a bound tile. An error ends the session; Done{} with `left` set is an orderly end.
-Status handle(const net::Message& message, const TileRoster::Binding& binding, SessionContext& context,
-              bool& left) {
+/// One message of a bound tile. An error ends the session.
+Status handle(const net::Message& message, Talk& talk, SessionContext& context) {
+  const TileRoster::Binding& binding = talk.binding;
   auto decoded = proto::decode(message.type, message.payload);
   if (!decoded) return decoded.error();
   if (const auto* ready = std::get_if<proto::Ready>(&*decoded)) {
@@ -75,12 +98,15 @@ Status handle(const net::Message& message, const TileRoster::Binding& binding, S
       }
     }
     (void)context.roster.shown(binding, *shown);
+  } else if (const auto* input = std::get_if<proto::Input>(&*decoded)) {
+    if (!talk.inputRate.countOne()) return runtimeError("", "sends more input than 1000 messages a second");
+    context.inputs.add(binding.tile, *input);
   } else if (const auto* bye = std::get_if<proto::Bye>(&*decoded)) {
     context.roster.leaving(binding, *bye);
-    left = true;
+    talk.left = true;
   } else if (const auto* error = std::get_if<proto::ErrorMessage>(&*decoded)) {
     spdlog::error("tile {}: {}", context.roster.nameOf(binding.tile), error->text);
-    left = true;
+    talk.left = true;
   }
   return Done{};
 }
@@ -88,9 +114,9 @@ Status handle(const net::Message& message, const TileRoster::Binding& binding, S
 awaitable<void> converse(std::shared_ptr<net::Connection> peer, TileRoster::Binding binding,
                          SessionContext& context) {
   const std::string name = context.roster.nameOf(binding.tile);
-  for (bool left = false; !left;) {
+  for (Talk talk{.binding = binding}; !talk.left;) {
     auto message = co_await peer->read(proto::Expect::FromTile, context.deadlines.idle);
-    Status status = message ? handle(*message, binding, context, left) : Status(message.error());
+    Status status = message ? handle(*message, talk, context) : Status(message.error());
     if (!status) {
       const bool isViolation = !message.ok() ? proto::protocolErrorOf(message.error()).has_value() : true;
       spdlog::warn("tile {}: {}", name, status.error().text());

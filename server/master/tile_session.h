@@ -6,6 +6,7 @@
 
 #include "common/net/connection.h"
 #include "common/wall/wall.h"
+#include "server/master/input_queue.h"
 #include "server/master/picture_writer.h"
 #include "server/master/tile_roster.h"
 
@@ -23,6 +24,7 @@ struct SessionContext {
   const Wall& wall;
   std::uint32_t leafCount = 0;
   TileRoster& roster;
+  InputQueue& inputs;
   PictureWriter* pictures = nullptr;  ///< null: none are wanted
   SessionDeadlines deadlines;
   int handshakes = 0;  ///< connections that have not said who they are; network thread only

@@ -101,9 +101,12 @@ TileProcesses::~TileProcesses() {
   end(std::chrono::milliseconds(0));
 }
 
-Status TileProcesses::start(std::vector<std::string> tileNames) {
+Status TileProcesses::start(std::vector<std::string> tileNames, std::vector<std::string> arguments) {
   std::string name = nameOf(tileNames);
-  children_.push_back({.tileNames = std::move(tileNames), .name = std::move(name), .output = nullptr});
+  children_.push_back({.tileNames = std::move(tileNames),
+                       .arguments = std::move(arguments),
+                       .name = std::move(name),
+                       .output = nullptr});
   return launch(children_.back());
 }
 
@@ -112,6 +115,7 @@ Status TileProcesses::launch(Child& child) {
                                         "--surface", options_.surface};
   for (const std::string& tile : child.tileNames)
     arguments.insert(arguments.end(), {"--tile", tile});
+  arguments.insert(arguments.end(), child.arguments.begin(), child.arguments.end());
   std::vector<std::string> environment = tileEnvironment(options_.singleThreadedDrawing);
   // All that allocates is done before the fork: this process has threads.
   const std::vector<char*> argv = pointers(arguments), envp = pointers(environment);

@@ -35,8 +35,8 @@ class TileProcesses {
   TileProcesses(const TileProcesses&) = delete;
   TileProcesses& operator=(const TileProcesses&) = delete;
 
-  /// Starts one process for the tiles, at least one.
-  [[nodiscard]] Status start(std::vector<std::string> tileNames);
+  /// Starts one process for the tiles, at least one; `arguments` are for it alone.
+  [[nodiscard]] Status start(std::vector<std::string> tileNames, std::vector<std::string> arguments = {});
 
   /// Collects those that ended. One that fails before it ever was part of the wall is an error with its last
   /// words; `mayRestart`: others are started again, at most three times each.
@@ -48,7 +48,7 @@ class TileProcesses {
  private:
   struct Output;
   struct Child {
-    std::vector<std::string> tileNames;
+    std::vector<std::string> tileNames, arguments;
     std::string name;  ///< for people: "tile r0c0"
     pid_t pid = -1;    ///< -1: ended
     int starts = 0;

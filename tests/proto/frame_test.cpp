@@ -78,7 +78,7 @@ TEST(Frame, AnotherVersionIsNamedWhateverFollows) {
 }
 
 TEST(Frame, UnknownTypesAreRefused) {
-  for (const unsigned type : {0U, 14U, 255U, 256U + 5U, 65535U}) {
+  for (const unsigned type : {0U, 15U, 255U, 256U + 5U, 65535U}) {
     const HeaderBytes bytes = written({.type = static_cast<MessageType>(type)});
     EXPECT_EQ(errorOf(parseHeader(bytes)), ProtocolError::UnknownType) << type;
   }
@@ -99,7 +99,7 @@ TEST(Frame, LimitsBeforeTheHandshakeAreSmall) {
   EXPECT_LE(maxPayloadBytes(MessageType::Hello), 4096U);
   EXPECT_LE(maxPayloadBytes(MessageType::Welcome), 4096U);
   EXPECT_LE(maxPayloadBytes(MessageType::Error), 4096U);
-  EXPECT_EQ(maxPayloadBytes(static_cast<MessageType>(14)), 0U);
+  EXPECT_EQ(maxPayloadBytes(static_cast<MessageType>(15)), 0U);
 }
 
 TEST(Frame, OnlyWhatIsExpectedIsAccepted) {
@@ -111,7 +111,7 @@ TEST(Frame, OnlyWhatIsExpectedIsAccepted) {
   const Row rows[] = {
       {Expect::Hello, {Hello}},
       {Expect::WelcomeOrError, {Welcome, Error}},
-      {Expect::FromTile, {Ready, Shown, Pong, Bye, Error}},
+      {Expect::FromTile, {Ready, Shown, Pong, Bye, Error, Input}},
       {Expect::FromMaster, {Assets, Leaves, MessageType::Frame, Swap, Ping, Bye, Error, TileSetup}},
       {Expect::Anything, std::set<MessageType>(std::begin(kAllTypes), std::end(kAllTypes))}};
   for (const Row& row : rows) {

@@ -33,7 +33,7 @@ std::optional<ProtocolError> refusal(MessageType type, std::span<const std::byte
 /// Encodes `good` after `spoil` and returns why it is refused.
 template <class Message>
 std::optional<ProtocolError> refusalOf(Message good, const std::function<void(Message&)>& spoil) {
-  const auto type = static_cast<MessageType>(AnyMessage(good).index() + 1);
+  const auto type = test::typeOf(AnyMessage(good));
   EXPECT_EQ(refusal(type, payloadOf(encode(good))), std::nullopt);
   spoil(good);
   return refusal(type, payloadOf(encode(good)));
@@ -271,6 +271,28 @@ TEST(Hostile, EnumerationsOfAssetsAndErrors) {
             ProtocolError::BadEnum);
 }
 
+TEST(Hostile, Input) {
+  const Input move = {.kind = InputKind::Move, .x = 1, .y = 0};
+  const auto refused = [&](const std::function<void(Input&)>& spoil) { return refusalOf(move, spoil); };
+  EXPECT_EQ(refused([](Input& m) { m.kind = static_cast<InputKind>(6); }), ProtocolError::BadEnum);
+  EXPECT_EQ(refused([](Input& m) { m.code = -1; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Input& m) { m.code = kMaxInputCode + 1; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Input& m) { m.modifiers = 64; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Input& m) { m.modifiers = 63; }), std::nullopt);
+  EXPECT_EQ(refused([](Input& m) { m.buttons = 1U << 15U; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refused([](Input& m) { m.buttons = 0xFFFFFFFFU; }), ProtocolError::BadNumber);
+  for (const double wrong : {-0.001, 1.001, kNaN, kInfinity, -kInfinity}) {
+    EXPECT_EQ(refused([&](Input& m) { m.x = wrong; }), ProtocolError::BadNumber) << wrong;
+    EXPECT_EQ(refused([&](Input& m) { m.y = wrong; }), ProtocolError::BadNumber) << wrong;
+    const auto axis = static_cast<float>(wrong < 0 ? wrong - 1 : wrong);
+    EXPECT_EQ(refused([&](Input& m) { m.axes[5] = axis; }), ProtocolError::BadNumber) << axis;
+  }
+  const Input scroll = {.kind = InputKind::Scroll, .x = -kMaxScrollSteps, .y = kMaxScrollSteps};
+  EXPECT_EQ(refusalOf<Input>(scroll, [](Input& m) { m.x = -1001; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refusalOf<Input>(scroll, [](Input& m) { m.y = 1001; }), ProtocolError::BadNumber);
+  EXPECT_EQ(refusalOf<Input>(scroll, [](Input& m) { m.y = kNaN; }), ProtocolError::BadNumber);
+}
+
 TEST(Hostile, TextsThatOurEncoderWouldNotSend) {
   for (const std::string& text : {std::string(kMaxTextBytes + 1, 'x'), std::string("\xc0\xaf")}) {
     Builder byeBuilder;
@@ -289,7 +311,7 @@ TEST(Hostile, TextsThatOurEncoderWouldNotSend) {
 TEST(Hostile, MissingFields) {
   for (const MessageType type :
        {MessageType::Hello, MessageType::Welcome, MessageType::Assets, MessageType::Leaves,
-        MessageType::Frame, MessageType::Bye, MessageType::Error, MessageType::TileSetup}) {
+        MessageType::Frame, MessageType::Bye, MessageType::Error, MessageType::TileSetup, MessageType::Input}) {
     Builder builder;
     EXPECT_EQ(refusalOfBuilt(type, builder, wire::CreatePing(builder)), ProtocolError::Malformed)
         << nameOf(type);

@@ -97,6 +97,7 @@ inline Bytes encodeAny(const AnyMessage& message) {
 }
 
 inline MessageType typeOf(const AnyMessage& message) {
+  if (std::holds_alternative<Input>(message)) return MessageType::Input;
   return static_cast<MessageType>(message.index() + 1);
 }
 
@@ -220,6 +221,22 @@ class MessageMaker {
             .maskGamma = 0.1F + channel()};
   }
 
+  Input input() {
+    const auto kind = static_cast<InputKind>(below(6));
+    const auto part = [this] { return static_cast<double>(below(1001)) / 1000; };
+    const auto place = [&] { return kind == InputKind::Scroll ? 2000 * part() - 1000 : part(); };
+    Input message = {.kind = kind,
+                     .code = static_cast<std::int32_t>(below(kMaxInputCode + 1)),
+                     .pressed = below(2) == 1,
+                     .modifiers = number32() % (1U << kInputModifierBits),
+                     .x = place(),
+                     .y = place(),
+                     .buttons = number32() % (1U << kGamepadButtonBits)};
+    for (float& axis : message.axes)
+      axis = 2 * channel() - 1;
+    return message;
+  }
+
   AnyMessage any(MessageType type) {
     switch (type) {
       case MessageType::Hello:
@@ -248,6 +265,8 @@ class MessageMaker {
         return error();
       case MessageType::TileSetup:
         return tileSetup();
+      case MessageType::Input:
+        return input();
     }
     return Ping{};
   }
@@ -316,8 +335,8 @@ class MessageMaker {
 };
 
 inline constexpr MessageType kAllTypes[] = {
-    MessageType::Hello, MessageType::Welcome, MessageType::Assets,   MessageType::Leaves, MessageType::Frame,
-    MessageType::Ready, MessageType::Swap,    MessageType::Shown,    MessageType::Ping,   MessageType::Pong,
-    MessageType::Bye,   MessageType::Error,   MessageType::TileSetup};
+    MessageType::Hello, MessageType::Welcome, MessageType::Assets,    MessageType::Leaves, MessageType::Frame,
+    MessageType::Ready, MessageType::Swap,    MessageType::Shown,     MessageType::Ping,   MessageType::Pong,
+    MessageType::Bye,   MessageType::Error,   MessageType::TileSetup, MessageType::Input};
 
 }  // namespace tessera::proto::test
