@@ -39,8 +39,7 @@ struct EyeCone {
     constexpr double kSlack = 1 + 16 * kUnitRoundoff;
     if (!cone.isProper) return {std::numeric_limits<double>::infinity(), 0};
     const double angle = cone.overhang(plane, sign) / cone.minDepth * kSlack;
-    const double rounding =
-        8 * kUnitRoundoff * plane.normal.cwiseAbs().dot(fromEye.cwiseAbs()) + 0x1p-1060;
+    const double rounding = 8 * kUnitRoundoff * plane.normal.cwiseAbs().dot(fromEye.cwiseAbs()) + 0x1p-1060;
     const double behind = std::max(0.0, -sign * plane.normal.dot(fromEye));
     return {angle, (behind + angle * fromEye.norm() + rounding) * kSlack};
   }
@@ -106,8 +105,8 @@ void FrustumHierarchy::holdEyes(std::span<const Frustum> left, std::span<const F
     const std::uint8_t* positive = tilesBelow_.data() + node.positive * tiles;
     Widening widening;
     for (std::uint32_t t = 0; t < tiles; ++t) {
-      below[t] = static_cast<std::uint8_t>((negative[t] ? kBelowNegative : 0) |
-                                           (positive[t] ? kBelowPositive : 0));
+      below[t] =
+          static_cast<std::uint8_t>((negative[t] ? kBelowNegative : 0) | (positive[t] ? kBelowPositive : 0));
       // A tile in both halves may lie on either side.
       if (below[t] == kBelowPositive) widening.hold(eyes.over(t, bisections_[i], 1));
       if (below[t] == kBelowNegative) widening.hold(eyes.over(t, bisections_[i], -1));

@@ -60,20 +60,24 @@ void Mosaic::add(const MosaicPlace& place, int width, int height, std::span<cons
   const auto clamped = [](double v, int most) {
     return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(most)));
   };
-  const int firstX = clamped(std::floor(left), picture_.widthPx), endX = clamped(std::ceil(right), picture_.widthPx);
+  const int firstX = clamped(std::floor(left), picture_.widthPx),
+            endX = clamped(std::ceil(right), picture_.widthPx);
   const int firstY = clamped(std::floor(top), picture_.heightPx),
             endY = clamped(std::ceil(bottom), picture_.heightPx);
   const bool copies = isAligned(place);
   const auto at = [&](int i, int j) {
-    return part.data() + (static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)) * 3;
+    return part.data() +
+           (static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)) * 3;
   };
   for (int y = firstY; y < endY; ++y) {
     for (int x = firstX; x < endX; ++x) {
       const auto [u, v] = toPart(x + 0.5, y + 0.5);
       if (!(u >= 0 && u < width && v >= 0 && v < height)) continue;
-      const std::size_t to =
-          (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.widthPx) + static_cast<std::size_t>(x)) * 3;
-      const int i = static_cast<int>(copies ? u : std::floor(u - 0.5)), j = static_cast<int>(copies ? v : std::floor(v - 0.5));
+      const std::size_t to = (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.widthPx) +
+                              static_cast<std::size_t>(x)) *
+                             3;
+      const int i = static_cast<int>(copies ? u : std::floor(u - 0.5)),
+                j = static_cast<int>(copies ? v : std::floor(v - 0.5));
       const double s = u - 0.5 - i, t = v - 0.5 - j;
       const int i0 = std::max(i, 0), i1 = std::min(i + 1, width - 1), j0 = std::max(j, 0),
                 j1 = std::min(j + 1, height - 1);

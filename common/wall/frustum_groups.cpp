@@ -35,7 +35,8 @@ std::vector<FrustumGroup> frustumGroups(const Wall& wall) {
   for (std::uint32_t s = 0; s < wall.screens.size(); ++s) {
     const Screen& screen = wall.screens[s];
     FrustumGroup grid{.columns = screen.columns, .rows = screen.rows, .screen = s};
-    grid.touch = std::abs(screen.latticeWidth - 1) < kTouching && std::abs(screen.latticeHeight - 1) < kTouching;
+    grid.touch =
+        std::abs(screen.latticeWidth - 1) < kTouching && std::abs(screen.latticeHeight - 1) < kTouching;
     const bool isGrid = isEvenGrid(wall, screen);
     for (std::uint32_t t = screen.firstTile; t < screen.firstTile + screen.tileCount; ++t) {
       if (isGrid) {

@@ -11,8 +11,8 @@ namespace tessera {
 struct FrustumGroup {
   /// Of an even grid, a screen's; 0 where the frusta lie anyhow.
   int columns = 0, rows = 0;
-  std::uint32_t screen = 0;    ///< of a grid
-  bool touch = true;           ///< of a grid: neither gaps nor overlaps
+  std::uint32_t screen = 0;               ///< of a grid
+  bool touch = true;                      ///< of a grid: neither gaps nor overlaps
   std::vector<std::uint32_t> tiles = {};  ///< of the wall, one for each frustum
   /// For each frustum: more tiles that show the same rectangle, to the other eye.
   std::vector<std::vector<std::uint32_t>> twins = {};

@@ -23,8 +23,7 @@ struct GridAxis {
   [[nodiscard]] double edge(int i, bool isFar, double screenMm) const {
     double share = extentMm() / screenMm;
     if (std::abs(share - 1) < 1e-12) share = 1;  // meant, but for the rounding of a fitted size
-    if (pitchMm == tileMm)
-      return (static_cast<double>(2 * (i + (isFar ? 1 : 0)) - count) / count) * share;
+    if (pitchMm == tileMm) return (static_cast<double>(2 * (i + (isFar ? 1 : 0)) - count) / count) * share;
     return (2 * (i * pitchMm + (isFar ? tileMm : 0)) - extentMm()) / screenMm;
   }
 };
@@ -51,8 +50,7 @@ GridAxis axisOf(const GridSpec& grid, bool isAcross, double knownMm) {
   } else {
     axis.tileMm = pixels;
   }
-  const double overlapMm =
-      grid.overlapPx ? (*grid.overlapPx)[i] * axis.tileMm / pixels : grid.overlapMm[i];
+  const double overlapMm = grid.overlapPx ? (*grid.overlapPx)[i] * axis.tileMm / pixels : grid.overlapMm[i];
   axis.overlapPx = grid.overlapPx ? (*grid.overlapPx)[i] : overlapMm / axis.tileMm * pixels;
   axis.pitchMm = axis.tileMm + gapMm - overlapMm;
   axis.mountPitchMm = axis.tileMm + bezelMm - overlapMm;

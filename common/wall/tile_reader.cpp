@@ -109,19 +109,20 @@ GridSpec TileReader::grid(const JsonValue& grid) {
   if (const auto rotation = grid.find("rotation_deg")) {
     const double degrees = json_.number(*rotation, "rotation_deg", {0, 270});
     if (std::fmod(degrees, 90) != 0) {
-      json_.fail(rotation->line(), "the tiles of a grid cannot be turned by " + numberText(degrees) + " degrees",
+      json_.fail(rotation->line(),
+                 "the tiles of a grid cannot be turned by " + numberText(degrees) + " degrees",
                  "0, 90, 180 or 270; tiles that are turned freely are placed one by one, in \"tiles\"");
     }
     spec.quarterTurns = static_cast<int>(degrees / 90);
   }
-  if (const auto tileMm = grid.find("tile_mm"))
-    spec.tileMm = pair(*tileMm, "tile_mm", {1e-3, kMostMm});
+  if (const auto tileMm = grid.find("tile_mm")) spec.tileMm = pair(*tileMm, "tile_mm", {1e-3, kMostMm});
   if (json_.ok()) gridSize(grid, *tilePx, spec);
   if (json_.ok()) gridGaps(grid, spec);
   if (json_.ok()) gridNames(grid, spec);
   if (const auto tile = grid.find("tile")) {
-    if (json_.object(*tile, "tile",
-                     {"host", "monitor", "window_px", "eye", "gain_rgb", "black_rgb", "gamma", "blend_px", "warp"})) {
+    if (json_.object(
+            *tile, "tile",
+            {"host", "monitor", "window_px", "eye", "gain_rgb", "black_rgb", "gamma", "blend_px", "warp"})) {
       if (tile->find("blend_px") || tile->find("warp") || tile->find("eye")) {
         json_.fail(tile->line(), "\"eye\", \"blend_px\" and \"warp\" are of one tile, not of all of a grid",
                    "say them in \"tiles\" by the tile's name");
@@ -140,8 +141,10 @@ void TileReader::gridSize(const JsonValue& grid, const JsonValue& tilePx, const 
                "a wall has at most " + std::to_string(kMaxTiles));
   }
   const bool isTurned = spec.quarterTurns % 2 != 0;
-  const long long width = static_cast<long long>(spec.columns) * (isTurned ? spec.tileHeightPx : spec.tileWidthPx);
-  const long long height = static_cast<long long>(spec.rows) * (isTurned ? spec.tileWidthPx : spec.tileHeightPx);
+  const long long width =
+      static_cast<long long>(spec.columns) * (isTurned ? spec.tileHeightPx : spec.tileWidthPx);
+  const long long height =
+      static_cast<long long>(spec.rows) * (isTurned ? spec.tileWidthPx : spec.tileHeightPx);
   if (width > kMaxWallPx || height > kMaxWallPx) {
     json_.fail(tilePx.line(), "the wall has " + sizeText(width, height) + " pixels",
                "a wall has at most " + std::to_string(kMaxWallPx) + " each way");
@@ -171,7 +174,8 @@ void TileReader::gridGaps(const JsonValue& grid, GridSpec& spec) {
   const std::array<double, 2> px = {static_cast<double>(isTurned ? spec.tileHeightPx : spec.tileWidthPx),
                                     static_cast<double>(isTurned ? spec.tileWidthPx : spec.tileHeightPx)};
   const std::array<double, 2> mm =
-      spec.tileMm ? std::array<double, 2>{(*spec.tileMm)[isTurned ? 1 : 0], (*spec.tileMm)[isTurned ? 0 : 1]} : px;
+      spec.tileMm ? std::array<double, 2>{(*spec.tileMm)[isTurned ? 1 : 0], (*spec.tileMm)[isTurned ? 0 : 1]}
+                  : px;
   for (std::size_t i = 0; i < 2; ++i) {
     const double tile = overlapPx ? px[i] : mm[i];
     if (both[i] < tile) continue;
@@ -235,9 +239,9 @@ void TileReader::gridMissing(const JsonValue& missing, GridSpec& spec) {
     const std::string name = json_.string(value, "missing", kMaxTileNameBytes);
     const auto found = std::find(spec.names.begin(), spec.names.end(), name);
     if (found == spec.names.end() || name.empty()) {
-      return json_.fail(value.line(), "the grid has no tile \"" + excerpt(name, 64) + "\" that could be missing",
-                        "its tiles are " + spec.names.front() + " to " +
-                            defaultName(spec.columns - 1, spec.rows - 1));
+      return json_.fail(
+          value.line(), "the grid has no tile \"" + excerpt(name, 64) + "\" that could be missing",
+          "its tiles are " + spec.names.front() + " to " + defaultName(spec.columns - 1, spec.rows - 1));
     }
     found->clear();
   }
@@ -310,8 +314,8 @@ void TileReader::tiles(const JsonValue& value, std::uint32_t screenIndex, Screen
     left = std::min(left, x - reachX), right = std::max(right, x + reachX);
     top = std::min(top, y - reachY), bottom = std::max(bottom, y + reachY);
     const double slack = 1e-6 * std::max(screen.widthMm, screen.heightMm);
-    if (screen.widthMm > 0 && (x - reachX < -slack || y - reachY < -slack || x + reachX > screen.widthMm + slack ||
-                               y + reachY > screen.heightMm + slack)) {
+    if (screen.widthMm > 0 && (x - reachX < -slack || y - reachY < -slack ||
+                               x + reachX > screen.widthMm + slack || y + reachY > screen.heightMm + slack)) {
       return json_.fail(entry.line(),
                         "tile \"" + tile.name + "\" lies outside its screen: it reaches from " +
                             numberText(x - reachX) + ", " + numberText(y - reachY) + " to " +
@@ -394,11 +398,13 @@ void TileReader::overrides(const JsonValue& value, std::vector<Tile>& tiles) {
       std::string_view nearest = tiles.front().name;
       for (const Tile& t : tiles)
         nearest = nearestWord(excerpt(entry.key(), kMaxTileNameBytes), {nearest, t.name});
-      return json_.fail(entry.keyLine(), "there is no tile \"" + excerpt(entry.key(), kMaxTileNameBytes) + "\"",
+      return json_.fail(entry.keyLine(),
+                        "there is no tile \"" + excerpt(entry.key(), kMaxTileNameBytes) + "\"",
                         "did you mean \"" + std::string(nearest) + "\"?");
     }
-    if (!json_.object(entry, "tile",
-                      {"host", "monitor", "window_px", "eye", "gain_rgb", "black_rgb", "gamma", "blend_px", "warp"}))
+    if (!json_.object(
+            entry, "tile",
+            {"host", "monitor", "window_px", "eye", "gain_rgb", "black_rgb", "gamma", "blend_px", "warp"}))
       return;
     settings(entry, tile->output, tile->eye);
   }

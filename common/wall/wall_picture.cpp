@@ -86,7 +86,8 @@ bool cover(const Quad& a, const Quad& b) {
 /// Lays screens out; see WallPicture.
 class Unfolding {
  public:
-  explicit Unfolding(const Wall& wall) : wall_(wall), flat_(wall.screens.size()), group_(wall.screens.size(), 0) {
+  explicit Unfolding(const Wall& wall)
+      : wall_(wall), flat_(wall.screens.size()), group_(wall.screens.size(), 0) {
     int groups = 0;
     double x = 0;
     for (std::size_t first = 0; first < flat_.size(); ++first) {
@@ -142,11 +143,13 @@ class Unfolding {
     const Screen &a = wall_.screens[from], &b = wall_.screens[s];
     const auto roomA = roomQuad(a), roomB = roomQuad(b);
     const Quad flatA = flatQuad(flat_[from], a), flatB = flatQuad({}, b);
-    const double tolerance = 0.002 + 0.01 * std::min(std::min(a.widthMm, a.heightMm), std::min(b.widthMm, b.heightMm)) / 1000;
+    const double tolerance =
+        0.002 + 0.01 * std::min(std::min(a.widthMm, a.heightMm), std::min(b.widthMm, b.heightMm)) / 1000;
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t k = 0; k < 4; ++k) {
         const std::size_t iNext = (i + 1) % 4, kNext = (k + 1) % 4;
-        if ((roomA[i] - roomB[kNext]).norm() > tolerance || (roomA[iNext] - roomB[k]).norm() > tolerance) continue;
+        if ((roomA[i] - roomB[kNext]).norm() > tolerance || (roomA[iNext] - roomB[k]).norm() > tolerance)
+          continue;
         const Vec2 edge = flatA[iNext] - flatA[i], own = flatB[k] - flatB[kNext];
         FlatScreen placed;
         placed.turnRad = std::remainder(std::atan2(edge.y(), edge.x()) - std::atan2(own.y(), own.x()),
@@ -154,8 +157,8 @@ class Unfolding {
         const double quarters = placed.turnRad / (std::numbers::pi / 2);
         if (std::abs(quarters - std::round(quarters)) < 1e-6)
           placed.turnRad = std::round(quarters) * (std::numbers::pi / 2);
-        placed.center = (flatA[i] + flatA[iNext]) / 2 -
-                        (flatQuad(placed, b)[k] + flatQuad(placed, b)[kNext]) / 2;
+        placed.center =
+            (flatA[i] + flatA[iNext]) / 2 - (flatQuad(placed, b)[k] + flatQuad(placed, b)[kNext]) / 2;
         return placed;
       }
     }
@@ -173,14 +176,16 @@ double snapped(double x, double slack) {
   return std::abs(x - whole) < slack ? whole : x;
 }
 
-PicturePlace placeOf(const Tile& tile, const FlatScreen& flat, const WallPicture& picture, const Vec2& origin) {
+PicturePlace placeOf(const Tile& tile, const FlatScreen& flat, const WallPicture& picture,
+                     const Vec2& origin) {
   const Quad quad = mountedQuad(tile);
   // Of what it draws: lower left, lower right, upper right, upper left.
   const auto corner = [&](std::size_t i) {
     const Vec2 mm = flat.at(quad[(i + 3 * static_cast<std::size_t>(tile.quarterTurns)) % 4]) - origin;
     return Vec2(mm.x() * picture.pxPerMmAcross, mm.y() * picture.pxPerMmDown);
   };
-  PicturePlace place{corner(3), (corner(2) - corner(3)) / tile.widthPx, (corner(0) - corner(3)) / tile.heightPx};
+  PicturePlace place{corner(3), (corner(2) - corner(3)) / tile.widthPx,
+                     (corner(0) - corner(3)) / tile.heightPx};
   constexpr double kSlack = 1e-6;
   for (Vec2* step : {&place.across, &place.down})
     *step = Vec2(snapped(step->x(), kSlack), snapped(step->y(), kSlack));
@@ -245,14 +250,17 @@ WallPicture wallPicture(const Wall& wall, double mostPixels) {
   const double secondMm = picture.widthMm * (1 + kGap);
   if (hasEyes) picture.widthMm += secondMm;
   setFineness(wall, mostPixels, picture);
-  const auto pixels = [](double px) { return static_cast<int>(std::clamp(std::round(px), 1.0, kMostSidePx)); };
+  const auto pixels = [](double px) {
+    return static_cast<int>(std::clamp(std::round(px), 1.0, kMostSidePx));
+  };
   picture.widthPx = pixels(picture.widthMm * picture.pxPerMmAcross);
   picture.heightPx = pixels(picture.heightMm * picture.pxPerMmDown);
   for (const Tile& tile : wall.tiles) {
     const Vec2 origin(tile.eye == TileEye::Right ? -secondMm : 0, 0);
     picture.tiles.push_back(placeOf(tile, picture.screens[tile.screen], picture, origin));
     const auto& blend = tile.output.blendPx;
-    if (std::any_of(blend.begin(), blend.end(), [](double px) { return px > 0; })) picture.gamma = tile.output.gamma;
+    if (std::any_of(blend.begin(), blend.end(), [](double px) { return px > 0; }))
+      picture.gamma = tile.output.gamma;
   }
   return picture;
 }

@@ -17,7 +17,7 @@ struct FlatScreen {
 
 /// Where a tile's picture lies in the wall's, in its pixels from its upper left corner, y down.
 struct PicturePlace {
-  Vec2 corner = Vec2::Zero();  ///< the outer corner of the tile's first pixel
+  Vec2 corner = Vec2::Zero();                   ///< the outer corner of the tile's first pixel
   Vec2 across = Vec2(1, 0), down = Vec2(0, 1);  ///< for each of the tile's pixels
 };
 

@@ -32,16 +32,18 @@ double tidy(double x) {
 Json tileJson(const Tile& tile, const Screen& screen) {
   const Vec2 middle = (tile.corners[0] + tile.corners[2]) / 2;
   const bool isTurned = tile.quarterTurns % 2 != 0;
-  const Vec2 half = (tile.corners[2] - tile.corners[0]).cwiseProduct(Vec2(screen.widthMm, screen.heightMm)) / 2;
+  const Vec2 half =
+      (tile.corners[2] - tile.corners[0]).cwiseProduct(Vec2(screen.widthMm, screen.heightMm)) / 2;
   const double width = tile.freeTurnRad != 0 ? tile.widthMm : isTurned ? half.y() : half.x();
   const double height = tile.freeTurnRad != 0 ? tile.heightMm : isTurned ? half.x() : half.y();
   const TileOutput& output = tile.output;
-  Json json = {{"name", tile.name},
-               {"px", {tile.widthPx, tile.heightPx}},
-               {"size_mm", {tidy(width), tidy(height)}},
-               {"center_mm",
-                {tidy((middle.x() + 1) * screen.widthMm / 2), tidy((1 - middle.y()) * screen.heightMm / 2)}},
-               {"rotation_deg", tile.freeTurnRad != 0 ? tile.freeTurnRad * kDegPerRadian : 90.0 * tile.quarterTurns}};
+  Json json = {
+      {"name", tile.name},
+      {"px", {tile.widthPx, tile.heightPx}},
+      {"size_mm", {tidy(width), tidy(height)}},
+      {"center_mm",
+       {tidy((middle.x() + 1) * screen.widthMm / 2), tidy((1 - middle.y()) * screen.heightMm / 2)}},
+      {"rotation_deg", tile.freeTurnRad != 0 ? tile.freeTurnRad * kDegPerRadian : 90.0 * tile.quarterTurns}};
   if (!output.host.empty()) json["host"] = output.host;
   if (!output.monitor.empty()) json["monitor"] = output.monitor;
   if (output.windowPx) json["window_px"] = *output.windowPx;
@@ -99,13 +101,15 @@ std::string writeWall(const Wall& wall) {
   json["camera"] = std::move(camera);
   if (wall.observer) json["observer"] = observerJson(*wall.observer);
   std::string comment = "// " + wall.source + ", with every default.";
-  if (!wall.near || !wall.far) comment += " Clip distances that are not given are fitted to the scene in every frame.";
+  if (!wall.near || !wall.far)
+    comment += " Clip distances that are not given are fitted to the scene in every frame.";
   return comment + "\n" + json.dump(2) + "\n";
 }
 
 std::string writeNewWall(const WallRequest& request) {
   const auto pair = [](double a, double b) { return "[" + numberText(a) + ", " + numberText(b) + "]"; };
-  std::string text = "// Every key is described in wall.schema.json; tessera check --wall FILE --svg PICTURE draws it.\n{\n";
+  std::string text =
+      "// Every key is described in wall.schema.json; tessera check --wall FILE --svg PICTURE draws it.\n{\n";
   text += "  \"$schema\": \"wall.schema.json\",\n";
   if (!request.name.empty()) text += "  \"name\": " + Json(request.name).dump() + ",\n";
   text += "  \"grid\": {\n    \"columns\": " + std::to_string(request.columns) +
@@ -114,7 +118,8 @@ std::string writeNewWall(const WallRequest& request) {
   if (request.tileMm) text += ",\n    \"tile_mm\": " + pair((*request.tileMm)[0], (*request.tileMm)[1]);
   if (request.bezelMm) text += ",\n    \"bezel_mm\": " + numberText(*request.bezelMm);
   if (request.compresses) text += ",\n    \"bezel\": \"compress\"";
-  if (request.overlapPx) text += ",\n    \"overlap_px\": " + pair((*request.overlapPx)[0], (*request.overlapPx)[1]);
+  if (request.overlapPx)
+    text += ",\n    \"overlap_px\": " + pair((*request.overlapPx)[0], (*request.overlapPx)[1]);
   if (request.rotationDeg != 0) text += ",\n    \"rotation_deg\": " + std::to_string(request.rotationDeg);
   return text + "\n  },\n  \"camera\": {\"fov_y_deg\": " + numberText(request.fovYDeg) + "}\n}\n";
 }
@@ -126,7 +131,8 @@ Result<std::array<double, 2>> parsePair(std::string_view text, const std::string
     const auto [end, ec] = std::from_chars(part.data(), part.data() + part.size(), to);
     return ec == std::errc() && end == part.data() + part.size() && std::isfinite(to) && to > 0;
   };
-  if (x == std::string_view::npos || !number(text.substr(0, x), both[0]) || !number(text.substr(x + 1), both[1]))
+  if (x == std::string_view::npos || !number(text.substr(0, x), both[0]) ||
+      !number(text.substr(x + 1), both[1]))
     return inputError(what, "\"" + excerpt(text, 64) + "\" is no pair of sizes", "write it as 1920x1080");
   return both;
 }
@@ -142,7 +148,8 @@ Result<double> parseLengthMm(std::string_view text, const std::string& what, dou
                         : unit == "in" ? 25.4
                                        : 0;
   if (ec != std::errc() || factor == 0 || !std::isfinite(value))
-    return inputError(what, "\"" + excerpt(text, 64) + "\" is no length", "write it as 12mm, 1.2cm, 0.012m or 0.5in");
+    return inputError(what, "\"" + excerpt(text, 64) + "\" is no length",
+                      "write it as 12mm, 1.2cm, 0.012m or 0.5in");
   if (value < 0)
     return inputError(what, "\"" + excerpt(text, 64) + "\" is negative", "a length is 0 or more");
   return value * factor;

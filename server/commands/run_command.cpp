@@ -1,15 +1,20 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include <spdlog/spdlog.h>
 
 #include "common/base/file.h"
 #include "common/base/pixel_place.h"
+#include "common/wall/grid_layout.h"
+#include "common/wall/wall_picture.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
+#include "server/commands/live_wall.h"
 #include "server/commands/progress.h"
 #include "server/commands/stop_signals.h"
 #include "server/master/master.h"
@@ -19,21 +24,31 @@ namespace tessera {
 
 namespace {
 
+constexpr std::uint64_t kDefaultFrames = 120;
+
 struct RunFlags {
   InputFiles files;
   CullFlags cull;
-  std::uint64_t frames = 120, pictureEvery = 1;
+  std::optional<std::uint64_t> frames;
+  std::uint64_t pictureEvery = 1;
+  LiveFlags live;
+  bool interactive = false;
   std::size_t tilesPerProcess = 1;
   std::string out, surface = "offscreen", window, json, frameLog;
   double framesPerSecond = 0, frameDeadlineS = 10, tilesDeadlineS = 30;
   bool untiled = false, noPictures = false, noVsync = false;
 };
 
+/// People steer in windows unless the frames are counted.
+bool steers(const RunFlags& flags) {
+  return flags.interactive || (flags.surface == "window" && !flags.frames);
+}
+
 MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOptions) {
   MasterOptions options;
   options.cull = cullOptions;
   options.planeSource = flags.cull.planeSource();
-  options.frames = flags.frames;
+  options.frames = flags.frames.value_or(steers(flags) ? 0 : kDefaultFrames);
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));
   options.tilesDeadline = std::chrono::milliseconds(static_cast<int>(flags.tilesDeadlineS * 1000));
@@ -87,21 +102,42 @@ Status makeFolder(const std::string& folder) {
   return Done{};
 }
 
-/// A tile's part of a rectangle that shows the whole wall, rounded so that neighbours meet.
-PixelPlace partOf(const PixelPlace& whole, const Wall& wall, const Tile& tile) {
-  const PixelSize size = whole.size.value_or(PixelSize{wall.widthPx(), wall.heightPx()});
-  const auto scaled = [](int at, int to, int of) {
-    return static_cast<int>((2 * std::int64_t{at} * to + of) / (2 * std::int64_t{of}));
-  };
-  const auto across = [&](int x) { return scaled(x, size.widthPx, wall.widthPx()); };
-  const auto down = [&](int y) { return scaled(y, size.heightPx, wall.heightPx()); };
-  return {.xPx = whole.xPx + across(tile.xPx),
-          .yPx = whole.yPx + down(tile.yPx),
-          .size = PixelSize{across(tile.xPx + tile.widthPx) - across(tile.xPx),
-                            down(tile.yPx + tile.heightPx) - down(tile.yPx)}};
+/// The wall as its operator sees it on a desktop: panels that are mounted turned draw what they show upright.
+Wall asSeen(Wall wall) {
+  for (Tile& tile : wall.tiles) {
+    auto& blend = tile.output.blendPx;
+    const Sides<double> seen =
+        pictureSides(Sides<double>{blend[0], blend[1], blend[2], blend[3]}, (4 - tile.quarterTurns) % 4);
+    blend = {seen.left, seen.right, seen.bottom, seen.top};
+    if (tile.quarterTurns % 2 != 0) {
+      std::swap(tile.widthPx, tile.heightPx);
+      std::swap(tile.widthMm, tile.heightMm);
+    }
+    tile.quarterTurns = 0;
+  }
+  for (const Screen& screen : wall.screens)
+    assignCanvases(screen, wall.tiles);
+  return wall;
 }
 
-/// What each tile is told of its window: they show the wall's picture together.
+/// A tile's part of a rectangle that shows the whole wall, rounded so that neighbours meet.
+PixelPlace partOf(const PixelPlace& whole, const WallPicture& picture, const PixelSize& size,
+                  const Tile& tile, const PicturePlace& place) {
+  const Vec2 end = place.corner + place.across * tile.widthPx + place.down * tile.heightPx;
+  const Vec2 least = place.corner.cwiseMin(end), most = place.corner.cwiseMax(end);
+  const auto across = [&](double x) {
+    return static_cast<int>(std::lround(x * size.widthPx / picture.widthPx));
+  };
+  const auto down = [&](double y) {
+    return static_cast<int>(std::lround(y * size.heightPx / picture.heightPx));
+  };
+  return {.xPx = whole.xPx + across(least.x()),
+          .yPx = whole.yPx + down(least.y()),
+          .size = PixelSize{across(most.x()) - across(least.x()), down(most.y()) - down(least.y())}};
+}
+
+/// What each tile is told of its window: its own place where the wall file has one; else they show the wall
+/// together, in its shape.
 Result<std::vector<std::vector<std::string>>> tileArguments(const RunFlags& flags, const Wall& wall) {
   std::vector<std::vector<std::string>> all(wall.tiles.size());
   if (flags.surface != "window") {
@@ -117,14 +153,27 @@ Result<std::vector<std::vector<std::string>>> tileArguments(const RunFlags& flag
     if (!place) return place.error();
     whole = *place;
   }
+  const WallPicture picture = wallPicture(wall);
+  const PixelSize size = whole.size.value_or(PixelSize{picture.widthPx, picture.heightPx});
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const PixelPlace part = partOf(whole, wall, wall.tiles[i]);
+    const TileOutput& output = wall.tiles[i].output;
+    if (flags.noVsync) all[i].emplace_back("--no-vsync");
+    if (flags.window.empty() && !output.monitor.empty()) {
+      all[i].push_back("--monitor=" + output.monitor);
+      continue;
+    }
+    if (flags.window.empty() && output.windowPx) {
+      all[i].push_back("--window=" + std::to_string((*output.windowPx)[0]) + "," +
+                       std::to_string((*output.windowPx)[1]));
+      continue;
+    }
+    const PixelPlace part = partOf(whole, picture, size, wall.tiles[i], picture.tiles[i]);
     if (part.size->widthPx < 1 || part.size->heightPx < 1)
       return inputError("--window", "is too small for all tiles to be seen", "make it larger");
     // With the size a tile knows before it connects whether the desktop holds its window.
     all[i].push_back("--window=" + std::to_string(part.xPx) + "," + std::to_string(part.yPx) + "," +
                      textOf(*part.size));
-    if (flags.noVsync) all[i].emplace_back("--no-vsync");
+    if (steers(flags)) all[i].emplace_back("--pointer");
   }
   return all;
 }
@@ -152,6 +201,7 @@ Status runWall(const RunFlags& flags) {
   auto wall = flags.files.readWall();
   if (!wall) return wall.error();
   if (flags.untiled) *wall = wall->untiled();
+  if (flags.surface == "window") *wall = asSeen(std::move(*wall));
   const auto arguments = tileArguments(flags, *wall);
   if (!arguments) return arguments.error();
   const auto camera = flags.files.readCamera();
@@ -162,7 +212,12 @@ Status runWall(const RunFlags& flags) {
   const auto scene = flags.files.readScene();
   if (!scene) return scene.error();
 
-  Master master(*scene, *wall, *camera, masterOptions(flags, *cullOptions));
+  const auto setups = TileSetups::make(*wall);
+  if (!setups) return setups.error();
+  const auto live = LiveWall::make(flags.live, *scene, *wall, *camera, steers(flags));
+  if (!live) return live.error();
+  const MasterOptions options = masterOptions(flags, *cullOptions);
+  Master master(*scene, *wall, *camera, *setups, options);
   const StopSignals signals(master.io(), [&master] { master.stop(); });
   const auto port = master.listen({"127.0.0.1", "0"});
   if (!port) return port.error();
@@ -172,14 +227,15 @@ Status runWall(const RunFlags& flags) {
                        .surface = flags.surface,
                        .singleThreadedDrawing = wall->tiles.size() >= std::thread::hardware_concurrency()});
   if (Status status = startTiles(tiles, *wall, flags.tilesPerProcess, *arguments); !status) return status;
-  Progress progress("frames", flags.frames);
-  const Master::Hooks hooks{
-      .whileWaitingForTiles = [&tiles] { return tiles.check(false); },
-      .eachFrame =
-          [&tiles] {
-            if (Status status = tiles.check(true); !status) spdlog::error("{}", status.error().text());
-          },
-      .progress = [&progress](std::uint64_t done, std::uint64_t) { progress.update(done); }};
+  Progress progress("frames", options.frames);
+  Master::Hooks hooks{.whileWaitingForTiles = [&tiles] { return tiles.check(false); },
+                      .eachFrame =
+                          [&tiles] {
+                            if (Status status = tiles.check(true); !status)
+                              spdlog::error("{}", status.error().text());
+                          },
+                      .progress = [&progress](std::uint64_t done, std::uint64_t) { progress.update(done); }};
+  (*live)->hookInto(master, hooks);
   auto report = master.run(hooks, false);
   progress.finish();
   tiles.end(std::chrono::milliseconds(200));
@@ -203,8 +259,14 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
-  app->add_option("--frames", flags->frames, "Frames to draw, evenly along the camera path")
-      ->capture_default_str()
+  flags->live.add(*app);
+  app->add_flag(
+      "--interactive", flags->interactive,
+      "Mouse, keyboard and gamepads at the windows move the camera; the keyframes of --camera are the views "
+      "of the keys 1 to 9. As a matter of course with --surface window and without --frames");
+  app->add_option(
+         "--frames", flags->frames,
+         "Frames to draw, evenly along the camera path; default: 120, or until Escape where people steer")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000}));
   app->add_option("--out", flags->out,
                   "Folder for the stitched pictures and report.json; made where it is missing");

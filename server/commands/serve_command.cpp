@@ -6,6 +6,7 @@
 #include "common/base/file.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
+#include "server/commands/live_wall.h"
 #include "server/commands/stop_signals.h"
 #include "server/master/master.h"
 
@@ -18,6 +19,8 @@ struct ServeFlags {
   CullFlags cull;
   std::string listen = "0.0.0.0:7400", json;
   std::uint64_t frames = 0;
+  LiveFlags live;
+  bool interactive = false;
   double framesPerSecond = 60, frameDeadlineS = 1, tilesDeadlineS = 60;
 };
 
@@ -40,7 +43,11 @@ Status serve(const ServeFlags& flags) {
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));
   options.tilesDeadline = std::chrono::milliseconds(static_cast<int>(flags.tilesDeadlineS * 1000));
-  Master master(*scene, *wall, *camera, options);
+  const auto setups = TileSetups::make(*wall);
+  if (!setups) return setups.error();
+  const auto live = LiveWall::make(flags.live, *scene, *wall, *camera, flags.interactive);
+  if (!live) return live.error();
+  Master master(*scene, *wall, *camera, *setups, options);
   const StopSignals signals(master.io(), [&master] { master.stop(); });
   const auto port = master.listen(*address);
   if (!port) return port.error();
@@ -48,8 +55,9 @@ Status serve(const ServeFlags& flags) {
   std::printf("listening on %s:%u for %zu tiles\n", address->host.c_str(), unsigned{*port},
               wall->tiles.size());
   std::fflush(stdout);
-  auto report = master.run(
-      {.whileWaitingForTiles = [] { return Status(Done{}); }, .eachFrame = {}, .progress = {}}, true);
+  Master::Hooks hooks{.whileWaitingForTiles = [] { return Status(Done{}); }, .eachFrame = {}, .progress = {}};
+  (*live)->hookInto(master, hooks);
+  auto report = master.run(hooks, true);
   if (!report) return report.error();
   nameMode(*report, flags.files, flags.cull);
   if (!flags.json.empty()) return writeFileAtomically(flags.json, report->json());
@@ -67,6 +75,11 @@ void addServeCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
+  flags->live.add(*app);
+  app->add_flag(
+      "--interactive", flags->interactive,
+      "Mouse, keyboard and gamepads at the tiles' windows move the camera; the keyframes of --camera are "
+      "the views of the keys 1 to 9");
   app->add_option("--listen", flags->listen,
                   "Address to listen on, HOST:PORT; anyone who reaches it may be a tile")
       ->capture_default_str()

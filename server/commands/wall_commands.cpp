@@ -57,7 +57,8 @@ Status make(const MakeFlags& flags) {
   if (!flags.size.empty()) {
     const std::size_t x = flags.size.find('x');
     if (x == std::string::npos)
-      return inputError("--size", "\"" + flags.size + "\" is no pair of lengths", "write it as 1.21x0.68 (metres)");
+      return inputError("--size", "\"" + flags.size + "\" is no pair of lengths",
+                        "write it as 1.21x0.68 (metres)");
     const auto width = parseLengthMm(flags.size.substr(0, x), "--size", 1000),
                height = parseLengthMm(flags.size.substr(x + 1), "--size", 1000);
     if (!width) return width.error();
@@ -102,16 +103,21 @@ void addWallCommands(CLI::App& tessera, std::vector<Command>& commands) {
   maker->add_option("--bezel", flags->bezel, "Frame of a panel on every side, as 12mm");
   maker->add_flag("--compress", flags->request.compresses,
                   "Push the picture together over the bezels, not on behind them");
-  maker->add_option("--overlap", flags->overlap, "What projectors share with their neighbours in pixels, as 96x64");
-  maker->add_option("--rotation", flags->request.rotationDeg, "Panels are mounted turned clockwise by so many degrees")
+  maker->add_option("--overlap", flags->overlap,
+                    "What projectors share with their neighbours in pixels, as 96x64");
+  maker
+      ->add_option("--rotation", flags->request.rotationDeg,
+                   "Panels are mounted turned clockwise by so many degrees")
       ->check(CLI::IsMember({0, 90, 180, 270}));
-  maker->add_option("--fov", flags->request.fovYDeg, "Vertical field of view in degrees")->capture_default_str();
+  maker->add_option("--fov", flags->request.fovYDeg, "Vertical field of view in degrees")
+      ->capture_default_str();
   maker->add_option("--name", flags->request.name, "What people call the wall");
   maker->add_option("--out", flags->out, "File to write; default: standard output");
   commands.push_back({maker, [flags] { return make(*flags); }});
 
-  CLI::App* importer = wall->add_subcommand(
-      "import", "A wall file from another system's: Equalizer (.eqc), SGCT or Tide (JSON), DisplayCluster (XML), MPCDI");
+  CLI::App* importer = wall->add_subcommand("import",
+                                            "A wall file from another system's: Equalizer (.eqc), SGCT or "
+                                            "Tide (JSON), DisplayCluster (XML), MPCDI");
   auto importFlags = std::make_shared<ImportFlags>();
   importer->add_option("file", importFlags->file, "The other system's file")->required();
   importer->add_option("--out", importFlags->out, "File to write; default: standard output");

@@ -27,11 +27,13 @@ double msSince(Clock::time_point start) {
 
 }  // namespace
 
-Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, const MasterOptions& options)
+Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, const TileSetups& setups,
+               const MasterOptions& options)
     : scene_(scene),
       wall_(wall),
       path_(path),
       options_(options),
+      stereo_(stereoLayout(wall)),
       times_(path.sampleTimes(options.frames > 0 ? options.frames : options.loopFrames)),
       wakeWriters_([this] { roster_.flushAll(); }),
       work_(net::asio::make_work_guard(io_)),
@@ -42,6 +44,7 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
       context_{.wall = wall,
                .leafCount = static_cast<std::uint32_t>(scene.leaves.size()),
                .roster = roster_,
+               .setups = setups,
                .inputs = inputs_,
                .pictures = pictures_.get(),
                .deadlines = {},
@@ -100,9 +103,19 @@ net::awaitable<void> Master::acceptTiles(net::tcp::acceptor acceptor) {
   }
 }
 
-CameraPose Master::poseOf(std::uint64_t frame) const {
+CameraPose Master::poseOf(std::uint64_t frame, const Hooks& hooks) {
   const Sphere& sphere = scene_.sphere();
-  return path_.poseAt(times_[(frame - 1) % times_.size()], sphere.center, sphere.radius);
+  CameraPose pose = path_.poseAt(times_[(frame - 1) % times_.size()], sphere.center, sphere.radius);
+  if (hooks.pose) hooks.pose(pose);
+  if (!pose.hasHead || !wall_.observer) return pose;
+  if (!screenNotBefore(wall_, pose.headM)) {
+    lastHeadM_ = pose.headM;
+    return pose;
+  }
+  // Somebody leans into a screen: the picture stays as it was before.
+  pose.hasHead = lastHeadM_.has_value();
+  pose.headM = lastHeadM_.value_or(wall_.observer->eyeM);
+  return pose;
 }
 
 Status Master::waitForTiles(const Hooks& hooks, bool mayStartWithout) {
@@ -140,7 +153,7 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
     takeInputs(hooks);
     if (roster_.stopping()) break;
     auto start = Clock::now();
-    viewInto(wall_, poseOf(next), sphere.center, sphere.radius, view);
+    viewInto(wall_, poseOf(next, hooks), sphere.center, sphere.radius, view);
     culler.update(view);
     report_.updateMs.add(msSince(start));
     start = Clock::now();
@@ -201,6 +214,8 @@ void Master::sendFrame(std::uint64_t frame, const WallView& view, const WallCull
                        const cull::Changes& changes) {
   std::uint64_t listBytes = 0, geometryBytes = 0;
   const auto start = Clock::now();
+  // Who is ready for this frame has shown the one before the last.
+  if (display_.overlay && frame > 2) skewUs_ = roster_.skewUs(frame - 2);
   roster_.startFrame(frame, peers_);
   for (std::uint32_t tile = 0; tile < roster_.tileCount(); ++tile) {
     if (!peers_[tile].connection) continue;
@@ -233,7 +248,14 @@ TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer
                                .toggled = &changes.toggled[tile],
                                .baseFrame = frame - 1,
                                .leafCount = changes.leafCounts[tile],
-                               .wantPicture = pictures_ && pictures_->wants(frame)};
+                               .wantPicture = pictures_ && pictures_->wants(frame),
+                               .stereo = stereo_,
+                               .display = display_,
+                               .skewUs = display_.overlay && frame > 1 ? skewUs_ : 0};
+  if (stereo_ != proto::StereoLayout::None) {
+    const Frustum right = drawnFrustum(wall_.tiles[tile], view.right[tile]);
+    order.rightEye = proto::RightEye{right.eye, right.corners};
+  }
   if (!mirror.keepsUpWith(frame)) {
     culler.listOf(tile, wholeList_);
     order.toggled = &wholeList_;

@@ -52,8 +52,9 @@ struct MasterOptions {
 /// grown to what the path needs.
 class Master {
  public:
-  /// `scene`, `wall` and `path` outlive the master.
-  Master(const Scene& scene, const Wall& wall, const CameraPath& path, const MasterOptions& options);
+  /// `scene`, `wall`, `path` and `setups` (of the wall) outlive the master.
+  Master(const Scene& scene, const Wall& wall, const CameraPath& path, const TileSetups& setups,
+         const MasterOptions& options);
   ~Master();
   Master(const Master&) = delete;
   Master& operator=(const Master&) = delete;
@@ -68,10 +69,16 @@ class Master {
     /// What a person did at the window of a tile (its index), on the thread of run(), before the frame's pose
     /// is asked for. Quit, which ends the run in order, is told of, too.
     std::function<void(std::uint32_t tile, const proto::Input& input)> input = {};
+    /// Changes the pose that the path has for a frame: who steers by hand, or tracks a head.
+    std::function<void(CameraPose& pose)> pose = {};
   };
   /// Runs until the frames are done or stop() was called. `mayStartWithout`: where tiles are missing at the
   /// deadline, start all the same (they may join later); else that is an error that names them.
   [[nodiscard]] Result<RunReport> run(const Hooks& hooks, bool mayStartWithout);
+
+  /// From the thread of run() (a hook) or before it: what tiles show from the next frame on.
+  void show(const Display& display) { display_ = display; }
+  [[nodiscard]] const Display& display() const { return display_; }
 
   /// From any thread, also before run: ends it in order.
   void stop();
@@ -79,7 +86,7 @@ class Master {
   [[nodiscard]] net::asio::io_context& io() { return io_; }
 
  private:
-  [[nodiscard]] CameraPose poseOf(std::uint64_t frame) const;
+  [[nodiscard]] CameraPose poseOf(std::uint64_t frame, const Hooks& hooks);
   net::awaitable<void> acceptTiles(net::tcp::acceptor acceptor);
   [[nodiscard]] Status waitForTiles(const Hooks& hooks, bool mayStartWithout);
   void takeInputs(const Hooks& hooks);
@@ -102,6 +109,10 @@ class Master {
   const Wall& wall_;
   const CameraPath& path_;
   const MasterOptions options_;
+  const proto::StereoLayout stereo_;
+  Display display_;
+  std::uint32_t skewUs_ = 0;
+  std::optional<Vec3> lastHeadM_;  ///< the last one before all screens
   std::vector<double> times_;
   net::OnePost wakeWriters_;
   net::asio::io_context io_{1};

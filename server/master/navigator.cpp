@@ -12,7 +12,8 @@ namespace {
 
 // Numbers of GLFW's keys and buttons, which windows send.
 namespace key {
-constexpr std::int32_t kA = 65, kD = 68, kE = 69, kF = 70, kG = 71, kO = 79, kP = 80, kQ = 81, kS = 83, kW = 87;
+constexpr std::int32_t kA = 65, kD = 68, kE = 69, kF = 70, kG = 71, kO = 79, kP = 80, kQ = 81, kS = 83,
+                       kW = 87;
 constexpr std::int32_t kOne = 49, kNine = 57, kRight = 262, kLeft = 263, kDown = 264, kUp = 265, kHome = 268;
 constexpr std::int32_t kLeftShift = 340, kRightShift = 344;
 }  // namespace key
@@ -29,7 +30,8 @@ double stick(float value) {
 
 }  // namespace
 
-Navigator::Navigator(std::vector<CameraPose> views, const Vec3& sceneCenter, double sceneRadius, double fovYRad)
+Navigator::Navigator(std::vector<CameraPose> views, const Vec3& sceneCenter, double sceneRadius,
+                     double fovYRad)
     : views_(std::move(views)), center_(sceneCenter), radius_(sceneRadius), fovYRad_(fovYRad) {
   goTo(views_.front());
 }
@@ -124,7 +126,8 @@ void Navigator::handle(const proto::Input& input) {
 
 CameraPose Navigator::advance(double seconds) {
   const auto axis = [&](std::int32_t more, std::int32_t alsoMore, std::int32_t less, std::int32_t alsoLess) {
-    return (isPressed(more) || isPressed(alsoMore) ? 1.0 : 0.0) - (isPressed(less) || isPressed(alsoLess) ? 1.0 : 0.0);
+    return (isPressed(more) || isPressed(alsoMore) ? 1.0 : 0.0) -
+           (isPressed(less) || isPressed(alsoLess) ? 1.0 : 0.0);
   };
   // GLFW's gamepads: left stick, right stick (down is positive), triggers (-1 at rest).
   const bool hasPad = std::any_of(axes_.begin(), axes_.end(), [](float a) { return a != 0; });

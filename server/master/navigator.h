@@ -13,9 +13,9 @@ namespace tessera {
 
 /// Moves the camera as an operator's mouse, keyboard and gamepad say.
 ///
-///   orbit (O)         left drag turns about the point looked at, right or middle drag shifts, the wheel zooms
-///   fly (G)           left drag looks, W A S D and arrows move along the view, Q E down and up, the wheel sets the speed
-///   first person (P)  the same, but the eye keeps its height unless Q or E is pressed
+///   orbit (O)         left drag turns about the point looked at, right or middle drag shifts, the wheel
+///   zooms fly (G)           left drag looks, W A S D and arrows move along the view, Q E down and up, the
+///   wheel sets the speed first person (P)  the same, but the eye keeps its height unless Q or E is pressed
 ///   all               1 to 9: named views; F or Home: all in view; Shift: faster; gamepad: sticks move and
 ///                     look, triggers go down and up
 ///

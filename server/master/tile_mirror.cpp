@@ -122,6 +122,11 @@ TileMirror::Sent TileMirror::send(net::Connection& connection, proto::Encoder& e
   message.toggles = delta_;
   message.listLeafCount = order.leafCount;
   message.wantPicture = order.wantPicture;
+  message.overlay = order.display.overlay;
+  message.pattern = order.display.pattern;
+  message.skewUs = order.skewUs;
+  message.rightEye = order.rightEye;
+  message.stereo = order.stereo;
   const std::span<const std::byte> bytes = encoder.encode(message);
   sent.listBytes = bytes.size();
   traffic_->listBytes += bytes.size();

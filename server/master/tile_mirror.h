@@ -39,6 +39,13 @@ class AssetNumbers {
   std::vector<OfLeaf> ofLeaves_;
 };
 
+/// What all tiles show beside or instead of the scene.
+struct Display {
+  bool overlay = false;
+  proto::Pattern pattern = proto::Pattern::None;
+  friend bool operator==(const Display&, const Display&) = default;
+};
+
 /// What one tile has: which assets and leaf records it was sent, and which frame's list it acknowledged last.
 /// The connection keeps the order of messages, so whatever was queued before a frame is there when the frame
 /// is. Used by the frame loop alone. `scene` and `numbers` outlive it and every message still queued.
@@ -68,6 +75,11 @@ class TileMirror {
     std::uint64_t baseFrame = 0;
     std::uint32_t leafCount = 0;  ///< of the list now
     bool wantPicture = false;
+    /// In stereo: `frustum` is the left eye's, and this, drawn likewise, the right one's.
+    std::optional<proto::RightEye> rightEye = {};
+    proto::StereoLayout stereo = proto::StereoLayout::None;
+    Display display = {};
+    std::uint32_t skewUs = 0;
   };
   struct Sent {
     std::uint64_t listBytes = 0;   ///< the frame message

@@ -63,6 +63,7 @@ bool TileRoster::shown(const Binding& binding, const proto::Shown& shown) {
   if (!slot) return true;
   if (shown.frame > slot->acknowledged || shown.frame <= slot->lastShown) return false;
   slot->lastShown = shown.frame;
+  slot->lastShownNs = shown.shownNs;
   ++slot->counts.framesShown;
   if (slot->sharesClock) slot->shownTimes.add({shown.frame, shown.shownNs});
   changed_.notify_all();
@@ -202,6 +203,20 @@ std::vector<std::string> TileRoster::unboundNames() const {
 TileCounts TileRoster::counts(std::uint32_t tile) const {
   const std::lock_guard lock(mutex_);
   return slots_[tile].counts;
+}
+
+std::uint32_t TileRoster::skewUs(std::uint64_t frame) const {
+  const std::lock_guard lock(mutex_);
+  std::int64_t first = INT64_MAX, last = INT64_MIN;
+  for (const Slot& slot : slots_) {
+    if (!slot.connection || !slot.sharesClock || slot.lastShown != frame) continue;
+    first = std::min(first, slot.lastShownNs);
+    last = std::max(last, slot.lastShownNs);
+  }
+  if (first > last) return 0;
+  // The clock's numbers are the tiles' word.
+  const std::uint64_t ns = static_cast<std::uint64_t>(last) - static_cast<std::uint64_t>(first);
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(ns / 1000, UINT32_MAX));
 }
 
 std::vector<ShownTime> TileRoster::shownTimes(std::uint32_t tile) const {

@@ -93,6 +93,8 @@ class TileRoster {
   void stop();
   [[nodiscard]] bool stopping() const;
 
+  /// Between the first and the last tile that showed `frame`, of those on this machine's clock.
+  [[nodiscard]] std::uint32_t skewUs(std::uint64_t frame) const;
   [[nodiscard]] std::vector<std::string> unboundNames() const;
   [[nodiscard]] const std::string& nameOf(std::uint32_t tile) const { return names_[tile]; }
   [[nodiscard]] std::uint32_t tileCount() const { return static_cast<std::uint32_t>(names_.size()); }
@@ -107,6 +109,7 @@ class TileRoster {
     std::uint64_t session = 0;
     std::shared_ptr<net::Connection> connection;
     std::uint64_t sent = 0, acknowledged = 0, lastShown = 0;
+    std::int64_t lastShownNs = 0;
     bool sharesClock = false, wasBound = false;
     TileCounts counts;
     Recorded<ShownTime> shownTimes;

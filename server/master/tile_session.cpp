@@ -150,6 +150,7 @@ awaitable<void> serveTile(std::shared_ptr<net::Connection> peer, SessionContext&
   }
   const auto bound = context.roster.bind(*hello, peer, [&](const TileRoster::Binding& binding) {
     peer->send(proto::encode(welcomeFor(context, binding)));
+    peer->send(proto::encode(context.setups.of(binding.tile)));
   });
   if (const auto* refusal = std::get_if<TileRoster::Refusal>(&bound)) {
     switch (*refusal) {

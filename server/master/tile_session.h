@@ -9,6 +9,7 @@
 #include "server/master/input_queue.h"
 #include "server/master/picture_writer.h"
 #include "server/master/tile_roster.h"
+#include "server/master/tile_setup.h"
 
 namespace tessera {
 
@@ -24,6 +25,7 @@ struct SessionContext {
   const Wall& wall;
   std::uint32_t leafCount = 0;
   TileRoster& roster;
+  const TileSetups& setups;
   InputQueue& inputs;
   PictureWriter* pictures = nullptr;  ///< null: none are wanted
   SessionDeadlines deadlines;

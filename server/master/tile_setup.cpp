@@ -68,7 +68,8 @@ Result<TileSetups> TileSetups::make(const Wall& wall) {
     setup.screenHeightM = screen.heightMm / 1000;
     for (std::size_t i = 0; i < 4; ++i) {
       const Vec2& corner = tile.corners[(i + 3 * static_cast<std::size_t>(tile.quarterTurns)) % 4];
-      setup.cornersM[i] = Vec2((corner.x() + 1) * screen.widthMm / 2000, (corner.y() + 1) * screen.heightMm / 2000);
+      setup.cornersM[i] =
+          Vec2((corner.x() + 1) * screen.widthMm / 2000, (corner.y() + 1) * screen.heightMm / 2000);
     }
     const TileOutput& output = tile.output;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -105,7 +106,8 @@ Status TileSetups::addWarp(const Wall& wall, const Tile& tile, proto::TileSetup&
     mesh = warpMeshOf(*region, kMostWarpErrorPx);
   }
   if (mesh.columns < 2 || mesh.rows < 2)
-    return inputError(tile.output.warpFile, "the warp of region \"" + region->id + "\" cannot be seen from the eye",
+    return inputError(tile.output.warpFile,
+                      "the warp of region \"" + region->id + "\" cannot be seen from the eye",
                       "check the observer and the tile's screen");
   warpErrorPx_ = std::max(warpErrorPx_, mesh.errorPx);
   proto::Warp warp;
@@ -120,8 +122,14 @@ Status TileSetups::addWarp(const Wall& wall, const Tile& tile, proto::TileSetup&
     const auto count = static_cast<std::size_t>(sized.widthPx) * static_cast<std::size_t>(sized.heightPx);
     warp.alpha = keep(bytesOf(alpha.isEmpty() ? std::vector<std::uint16_t>(count, 65535) : alpha.values));
     warp.maskGamma = static_cast<float>(std::clamp(alpha.gammaEmbedded, 0.1, 10.0));
-    if (!region->beta.isEmpty()) warp.beta = keep(bytesOf(resized(region->beta, sized.widthPx, sized.heightPx)));
+    if (!region->beta.isEmpty())
+      warp.beta = keep(bytesOf(resized(region->beta, sized.widthPx, sized.heightPx)));
   }
+  constexpr std::size_t kMostBytes = std::size_t{60} << 20U;  // a little less than a message may have
+  if (warp.uv.size() + warp.alpha.size() + warp.beta.size() > kMostBytes)
+    return inputError(tile.output.warpFile,
+                      "the warp and masks of region \"" + region->id + "\" take more than 60 MiB",
+                      "make its maps smaller");
   setup.warp = warp;
   return Done{};
 }

@@ -24,7 +24,14 @@ class TileSetups {
 
   static constexpr double kMostWarpErrorPx = 0.1;
 
+  TileSetups(const TileSetups&) = delete;
+  TileSetups& operator=(const TileSetups&) = delete;
+  TileSetups(TileSetups&&) = default;
+  TileSetups& operator=(TileSetups&&) = default;
+  ~TileSetups() = default;
+
  private:
+  TileSetups() = default;
   Status addWarp(const Wall& wall, const Tile& tile, proto::TileSetup& setup);
   std::span<const std::byte> keep(std::vector<std::byte> bytes);
 

@@ -12,6 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "client/offscreen_surface.h"
 #include "client/test_pattern.h"
 #include "client/tile_client.h"
 #include "common/image/picture.h"
@@ -126,6 +127,8 @@ class Conversation : public ::testing::Test {
       options.master = {"127.0.0.1", std::to_string(master_.port())};
       options.tileNames = {"r0c0"};
       options.surface = surface;
+      const std::unique_ptr<SurfaceMaker> surfaces = makeOffscreenSurfaces();
+      if (surface != proto::SurfaceKind::None) options.surfaces = surfaces.get();
       return runTiles(options);
     });
     master_.welcome(64, 48);

@@ -94,10 +94,11 @@ inline proto::Welcome welcomeOf(int widthPx, int heightPx) {
 class OsMesaTile {
  public:
   explicit OsMesaTile(const proto::Welcome& welcome)
-      : welcome_(welcome), surface_(makeOffscreenSurface(welcome.widthPx, welcome.heightPx).value()) {
+      : welcome_(welcome),
+        surface_(surfaces_->make({welcome.tileName, {welcome.widthPx, welcome.heightPx}}).value()) {
     const Status status = surface_->makeCurrent();
     EXPECT_TRUE(status.ok()) << (status ? "" : status.error().text());
-    view_ = std::make_unique<TileView>(welcome);
+    view_ = std::make_unique<TileView>(welcome, surface_->drawnSize());
     addScene(cache_);
     view_->setList({{0, kSceneLeaves}}, cache_);
   }
@@ -123,7 +124,7 @@ class OsMesaTile {
     const Status status = tryDraw(frame, facts);
     EXPECT_TRUE(status.ok()) << (status ? "" : status.error().text());
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-    surface_->present();
+    surface_->finish();
     Picture picture(welcome_.widthPx, welcome_.heightPx);
     picture.rgb = surface_->readPicture();
     return picture;
@@ -131,6 +132,7 @@ class OsMesaTile {
 
  private:
   const proto::Welcome welcome_;
+  const std::unique_ptr<SurfaceMaker> surfaces_ = makeOffscreenSurfaces();
   std::unique_ptr<Surface> surface_;
   TileCache cache_{true};
   std::unique_ptr<TileView> view_;

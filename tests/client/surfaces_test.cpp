@@ -347,7 +347,8 @@ TEST_F(Windows, WhatAPersonDoesReachesTheMaster) {
   const auto path = parseCameraPath(kStill, "test");
   MasterOptions options;
   options.framesPerSecond = 60;
-  Master master(*scene, *wall, *path, options);
+  const auto setups = TileSetups::make(*wall);
+  Master master(*scene, *wall, *path, *setups, options);
   const auto port = master.listen({"127.0.0.1", "0"});
   ASSERT_TRUE(port) << port.error().text();
   Process tile({program("tessera-tile"), "--connect", "127.0.0.1:" + std::to_string(*port), "--tile", "r0c0",
@@ -397,7 +398,8 @@ TEST_F(Windows, APictureIsHeldBackUntilTheWallSwaps) {
   options.frames = 40;
   options.framesPerSecond = 10;
   options.pictureFolder = folder_.path();
-  Master master(*scene, *wall, *path, options);
+  const auto setups = TileSetups::make(*wall);
+  Master master(*scene, *wall, *path, *setups, options);
   const auto port = master.listen({"127.0.0.1", "0"});
   ASSERT_TRUE(port) << port.error().text();
   const std::string address = "127.0.0.1:" + std::to_string(*port);

@@ -309,9 +309,9 @@ TEST(Hostile, TextsThatOurEncoderWouldNotSend) {
 
 // A table whose required fields are missing: an empty one, as Ping without a nonce.
 TEST(Hostile, MissingFields) {
-  for (const MessageType type :
-       {MessageType::Hello, MessageType::Welcome, MessageType::Assets, MessageType::Leaves,
-        MessageType::Frame, MessageType::Bye, MessageType::Error, MessageType::TileSetup, MessageType::Input}) {
+  for (const MessageType type : {MessageType::Hello, MessageType::Welcome, MessageType::Assets,
+                                 MessageType::Leaves, MessageType::Frame, MessageType::Bye,
+                                 MessageType::Error, MessageType::TileSetup, MessageType::Input}) {
     Builder builder;
     EXPECT_EQ(refusalOfBuilt(type, builder, wire::CreatePing(builder)), ProtocolError::Malformed)
         << nameOf(type);

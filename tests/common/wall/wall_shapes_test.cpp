@@ -50,7 +50,8 @@ Vec2 onPlane(const Frustum& frustum, std::size_t corner) {
 
 TEST(WallShapes, bezelsHideWhatIsBehindThem) {
   // Two panels of 100 mm with 10 mm between them: 210 mm, the middle of the gap in the middle.
-  const Wall wall = wallFrom(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [100, 105], "tile_mm": [100, 105],
+  const Wall wall =
+      wallFrom(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [100, 105], "tile_mm": [100, 105],
                                  "bezel_mm": {"left": 4, "right": 6}}, "camera": {"fov_y_deg": 90}})");
   ASSERT_TRUE(wall.warnings.empty());
   const WallView view = viewFromOrigin(wall);
@@ -65,7 +66,8 @@ TEST(WallShapes, bezelsHideWhatIsBehindThem) {
 }
 
 TEST(WallShapes, compressedBezelsLoseNothing) {
-  const Wall wall = wallFrom(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [100, 100], "tile_mm": [100, 100],
+  const Wall wall =
+      wallFrom(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [100, 100], "tile_mm": [100, 100],
                                  "bezel_mm": 5, "bezel": "compress"}, "camera": {"fov_y_deg": 90}})");
   const WallView view = viewFromOrigin(wall);
   EXPECT_EQ(view.tiles[0].corners[1], view.tiles[1].corners[0]);
@@ -90,8 +92,9 @@ TEST(WallShapes, overlapsShareTheirPixels) {
 
 TEST(WallShapes, turnedTilesDrawWithTheirOwnUp) {
   for (const int degrees : {0, 90, 180, 270}) {
-    const Wall wall = wallFrom(R"({"grid": {"columns": 1, "rows": 1, "tile_px": [160, 90], "rotation_deg": )" +
-                               std::to_string(degrees) + R"(}, "camera": {"fov_y_deg": 90}})");
+    const Wall wall =
+        wallFrom(R"({"grid": {"columns": 1, "rows": 1, "tile_px": [160, 90], "rotation_deg": )" +
+                 std::to_string(degrees) + R"(}, "camera": {"fov_y_deg": 90}})");
     const WallView view = viewFromOrigin(wall);
     const Tile& tile = wall.tiles[0];
     const Frustum drawn = drawnFrustum(tile, view.tiles[0]);
@@ -209,9 +212,9 @@ TEST(WallShapes, theCaveUnfoldsIntoACross) {
   EXPECT_NEAR(picture.heightMm, 6000, 1e-6);
   ASSERT_EQ(picture.tiles.size(), 4u);
   EXPECT_EQ(picture.widthPx, 1200);
-  EXPECT_EQ(picture.tiles[0].corner, Vec2(400, 0));  // front
-  EXPECT_EQ(picture.tiles[1].corner, Vec2(0, 0));    // left
-  EXPECT_EQ(picture.tiles[2].corner, Vec2(800, 0));  // right
+  EXPECT_EQ(picture.tiles[0].corner, Vec2(400, 0));    // front
+  EXPECT_EQ(picture.tiles[1].corner, Vec2(0, 0));      // left
+  EXPECT_EQ(picture.tiles[2].corner, Vec2(800, 0));    // right
   EXPECT_EQ(picture.tiles[3].corner, Vec2(400, 400));  // floor
   for (const PicturePlace& place : picture.tiles) {
     EXPECT_EQ(place.across, Vec2(1, 0));
@@ -222,8 +225,8 @@ TEST(WallShapes, theCaveUnfoldsIntoACross) {
 TEST(WallShapes, turnedPanelsStandOnTheirSideInThePicture) {
   const WallPicture picture = wallPicture(shipped("wall-portrait-4x1.json"));
   const PicturePlace& first = picture.tiles[0];
-  EXPECT_EQ(first.across, Vec2(0, 1));   // the picture's rows run down the wall
-  EXPECT_EQ(first.down, Vec2(-1, 0));    // and its upper edge is at the right
+  EXPECT_EQ(first.across, Vec2(0, 1));  // the picture's rows run down the wall
+  EXPECT_EQ(first.down, Vec2(-1, 0));   // and its upper edge is at the right
   EXPECT_EQ(first.corner, Vec2(270, 0));
 }
 
@@ -235,7 +238,8 @@ TEST(WallShapes, everyShippedWallIsDrawnAndReadsBackFromWhatItPrints) {
     const Wall wall = shipped(name);
     const std::string svg = wallSvg(wall);
     for (const Tile& tile : wall.tiles)
-      EXPECT_TRUE(wall.tiles.size() > 64 || svg.find(">" + tile.name + "<") != std::string::npos) << tile.name;
+      EXPECT_TRUE(wall.tiles.size() > 64 || svg.find(">" + tile.name + "<") != std::string::npos)
+          << tile.name;
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("inf"), std::string::npos);
     const Result<Wall> again = parseWall(writeWall(wall), "printed");
@@ -280,9 +284,10 @@ TEST(WallShapes, untiledWallsHaveATileToAScreen) {
   EXPECT_EQ(cave.tiles[3].name, "floor");
   EXPECT_EQ(cave.tiles[3].widthPx, 400);
   // Hidden bezels are part of the whole picture.
-  const Wall panels = wallFrom(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [100, 50], "tile_mm": [100, 50],
+  const Wall panels =
+      wallFrom(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [100, 50], "tile_mm": [100, 50],
                                    "bezel_mm": 5}})")
-                          .untiled();
+          .untiled();
   ASSERT_EQ(panels.tiles.size(), 1u);
   EXPECT_EQ(panels.tiles[0].widthPx, 210);
 }
@@ -292,7 +297,9 @@ TEST(WallShapes, untiledWallsHaveATileToAScreen) {
 constexpr const char* kGrid = R"({"columns": 2, "rows": 1, "tile_px": [64, 48])";
 
 TEST(WallErrors, namesWhatIsWrongOfGrids) {
-  const auto grid = [](const std::string& more) { return std::string("{\"grid\":\n") + kGrid + ",\n" + more + "}}"; };
+  const auto grid = [](const std::string& more) {
+    return std::string("{\"grid\":\n") + kGrid + ",\n" + more + "}}";
+  };
   expectError(grid(R"("bezel_mm": -3)"), 3, "\"bezel_mm\" must be from 0", "");
   expectError(grid(R"("bezel_mm": {"left": 1, "middle": 2})"), 3, "unknown key \"middle\"", "did you mean");
   expectError(grid(R"("bezel": "hidden")"), 3, "cannot be \"hidden\"", "did you mean \"hide\"");
@@ -301,18 +308,20 @@ TEST(WallErrors, namesWhatIsWrongOfGrids) {
   expectError(grid(R"("overlap_mm": 5)"), 3, "without the size of a tile", "tile_mm");
   expectError(grid(R"("overlap_px": 5, "overlap_mm": 5)"), 3, "twice", "keep one");
   expectError(grid(R"("overlap_px": 5, "bezel_mm": 5)"), 3, "bezels and overlap", "projectors");
-  expectError(grid(R"("overlap_px": 40)"), 2, "blend ramps", "") ;
+  expectError(grid(R"("overlap_px": 40)"), 2, "blend ramps", "");
   expectError(grid(R"("rotation_deg": 45)"), 3, "cannot be turned by 45", "one by one");
   expectError(grid(R"("missing": ["r0c2"])"), 3, "no tile \"r0c2\"", "r0c0 to r0c1");
   expectError(grid(R"("missing": ["r0c0", "r0c1"])"), 2, "no tile left", "at least one");
   expectError(grid(R"("tile": {"gama": 2})"), 3, "unknown key \"gama\"", "did you mean \"gamma\"");
   expectError(grid(R"("tile_mm": [0, 3])"), 3, "\"tile_mm\"", "");
-  expectError("{\"grid\": {\"columns\": 1, \"rows\": 1,\n\"tile_px\": [0, 48]}}", 2, "whole number from 1", "");
+  expectError("{\"grid\": {\"columns\": 1, \"rows\": 1,\n\"tile_px\": [0, 48]}}", 2, "whole number from 1",
+              "");
 }
 
 TEST(WallErrors, namesWhatIsWrongOfScreens) {
   const auto screen = [](const std::string& corners, const std::string& rest) {
-    return "{\"screens\": [{\"name\": \"a\",\n\"corners_m\": {" + corners + "},\n\"grid\": " + kGrid + "}}],\n" + rest + "}";
+    return "{\"screens\": [{\"name\": \"a\",\n\"corners_m\": {" + corners + "},\n\"grid\": " + kGrid +
+           "}}],\n" + rest + "}";
   };
   const std::string good = R"("lower_left": [0,0,0], "lower_right": [2,0,0], "upper_left": [0,1,0])";
   const std::string observer = R"("observer": {"eye_m": [1, 0.5, 1]})";
@@ -321,11 +330,12 @@ TEST(WallErrors, namesWhatIsWrongOfScreens) {
               "on one line", "three corners");
   expectError(screen(R"("lower_left": [0,0,0], "lower_right": [0,0,0], "upper_left": [0,1,0])", observer), 2,
               "same point", "");
-  expectError(screen(R"("lower_left": [0,0,0], "lower_right": [2,0,0], "upper_left": [0.3,1,0])", observer), 2,
-              "right angle", "measure again");
+  expectError(screen(R"("lower_left": [0,0,0], "lower_right": [2,0,0], "upper_left": [0.3,1,0])", observer),
+              2, "right angle", "measure again");
   expectError(screen(R"("lower_left": [0,0,0], "lower_right": [2,0,0], "upper_lift": [0,1,0])", observer), 2,
               "unknown key \"upper_lift\"", "upper_left");
-  expectError(screen(good, R"("observer": {"eye_m": [5, 7, 0]})"), 4, "plane of screen \"a\"", "before every screen");
+  expectError(screen(good, R"("observer": {"eye_m": [5, 7, 0]})"), 4, "plane of screen \"a\"",
+              "before every screen");
   expectError(screen(good, R"("observer": {"eye_m": [1, 0.5, -1]})"), 4, "or behind it", "");
   expectError(screen(good, R"("observer": {"eye_m": [1, 0.5, 1]}, "camera": {"fov_y_deg": 50})"), 4,
               "follows from where the eye", "remove");
@@ -333,8 +343,9 @@ TEST(WallErrors, namesWhatIsWrongOfScreens) {
               "cannot be \"anaglyph\"", "one of");
   expectError(screen(good, R"("observer": {"eye_m": [1, 0.5, 1], "stereo": {"mode": "tiles"}})"), 3,
               "which eye", "left");
-  const std::string two = "{\"screens\": [{\"name\": \"a\", \"corners_m\": {" + good + "}, \"grid\": " + kGrid +
-                          "}},\n{\"name\": \"%\", \"corners_m\": {" + good + "}, \"grid\": " + kGrid + "}}]%%}";
+  const std::string two = "{\"screens\": [{\"name\": \"a\", \"corners_m\": {" + good +
+                          "}, \"grid\": " + kGrid + "}},\n{\"name\": \"%\", \"corners_m\": {" + good +
+                          "}, \"grid\": " + kGrid + "}}]%%}";
   const auto with = [&](std::string name, std::string rest) {
     std::string text = two;
     text.replace(text.find("%\""), 1, name);
@@ -357,9 +368,11 @@ TEST(WallErrors, namesWhatIsWrongOfTiles) {
   expectError(tiles(one + R"("at_mm": [1, 1], "center_mm": [50, 50]})"), 2, "said once", "remove");
   expectError(tiles(one + R"("rotation_deg": 3})"), 2, "said once", "add");
   expectError(tiles(one + R"("at_mm": [1, 1], "rotation_deg": 3})"), 2, "no upper left corner", "center_mm");
-  expectError(tiles(one + R"("at_mm": [1, 1]}, )" + one + R"("at_mm": [50, 1]})"), 2, "two tiles are named", "rename");
+  expectError(tiles(one + R"("at_mm": [1, 1]}, )" + one + R"("at_mm": [50, 1]})"), 2, "two tiles are named",
+              "rename");
   expectError(tiles(one + R"("at_mm": [1, 1], "eye": "left"})"), 2, "not in stereo", "remove");
-  expectError(tiles(one + R"("at_mm": [1, 1], "monitor": "A", "window_px": [1, 1]})"), 2, "full screen", "keep one");
+  expectError(tiles(one + R"("at_mm": [1, 1], "monitor": "A", "window_px": [1, 1]})"), 2, "full screen",
+              "keep one");
   expectError(tiles("", ""), 2, "without tiles", "");
   expectError("{\"grid\": " + std::string(kGrid) + "},\n\"tiles\": {\"r0c7\": {}}}", 2, "no tile \"r0c7\"",
               "did you mean \"r0c0\"");

@@ -25,9 +25,10 @@ std::size_t countOf(const std::string& text, const std::string& part) {
 TEST(WallSvg, showsTilesSizesAndFieldOfView) {
   const std::string svg = wallSvg(parsed(
       R"({"grid": {"columns": 3, "rows": 2, "tile_px": [321, 240]}, "camera": {"fov_y_deg": 50, "near_m": 0.1}})"));
-  for (const char* part : {">r0c0<", ">r1c2<", ">321 x 240 px<", "3 x 2 tiles of 321 x 240 pixels, 963 x 480 in all",
-                           "50 deg vertical, 86.184 deg horizontal", "Near 0.1 m, far fitted to the scene",
-                           "Warning: tiles of 321 x 240", "dir/w&amp;w.json"}) {
+  for (const char* part :
+       {">r0c0<", ">r1c2<", ">321 x 240 px<", "3 x 2 tiles of 321 x 240 pixels, 963 x 480 in all",
+        "50 deg vertical, 86.184 deg horizontal", "Near 0.1 m, far fitted to the scene",
+        "Warning: tiles of 321 x 240", "dir/w&amp;w.json"}) {
     EXPECT_NE(svg.find(part), std::string::npos) << part << " in\n" << svg;
   }
   EXPECT_EQ(countOf(svg, "class=\"tile\""), 6u);

@@ -199,7 +199,8 @@ Wall wallOf(int columns, int rows) {
 class FrameLoop : public ::testing::Test {
  protected:
   void run(const MasterOptions& options, const CameraPath& path) {
-    Master master(scene_, wall_, path, options);
+    const auto setups = TileSetups::make(wall_);
+    Master master(scene_, wall_, path, *setups, options);
     const auto port = master.listen({"127.0.0.1", "0"});
     ASSERT_TRUE(port) << port.error().text();
     net::asio::io_context io(1);

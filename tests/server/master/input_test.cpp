@@ -206,7 +206,8 @@ Scene oneBox() {
 class InputOfTiles : public ::testing::Test {
  protected:
   void run(std::vector<Input> inputs, std::uint64_t afterFrame, bool withFirst, MasterOptions options) {
-    Master master(scene_, wall_, path_, options);
+    const auto setups = TileSetups::make(wall_);
+    Master master(scene_, wall_, path_, *setups, options);
     const auto port = master.listen({"127.0.0.1", "0"});
     ASSERT_TRUE(port) << port.error().text();
     net::asio::io_context io(1);

@@ -44,7 +44,9 @@ TriangleScene sceneFor(const WallView& view, Geometry& geometry, double size, in
   for (int i = 0; i < leaves; ++i)
     scene.leaves.push_back(geometry.any(Vec3::Zero(), size));
   for (int i = 0; i < leaves; ++i)
-    scene.leaves.push_back(geometry.hard(view.left.empty() ? view.tiles : i % 2 != 0 ? view.left : view.right));
+    scene.leaves.push_back(geometry.hard(view.left.empty() ? view.tiles
+                                         : i % 2 != 0      ? view.left
+                                                           : view.right));
   for (int i = 0; i < leaves / 4; ++i)
     scene.leaves.push_back(geometry.aboutTheEye(view.tiles[0].eye, size));
   scene.build(geometry.engine());
@@ -66,7 +68,8 @@ std::vector<cull::Options> someOptions() {
        {cull::Algorithm::Naive, cull::Algorithm::Oh, cull::Algorithm::Fh, cull::Algorithm::Adaptive,
         cull::Algorithm::AdaptiveListing, cull::Algorithm::Auto, cull::Algorithm::Table}) {
     for (const cull::BoundsKind bounds : {cull::BoundsKind::Obb, cull::BoundsKind::Sphere})
-      if (const cull::Options options = {.algorithm = algorithm, .bounds = bounds}; check(options)) all.push_back(options);
+      if (const cull::Options options = {.algorithm = algorithm, .bounds = bounds}; check(options))
+        all.push_back(options);
   }
   return all;
 }
@@ -119,7 +122,8 @@ TEST(WallCuller, everyShippedWallKeepsTheContract) {
 std::string randomWall(Geometry& geometry) {
   const auto number = [](double x) { return std::to_string(x); };
   const auto grid = [&](bool fits) {
-    const int columns = 1 + static_cast<int>(geometry.below(5)), rows = 1 + static_cast<int>(geometry.below(4));
+    const int columns = 1 + static_cast<int>(geometry.below(5)),
+              rows = 1 + static_cast<int>(geometry.below(4));
     std::string text = "{\"columns\": " + std::to_string(columns) + ", \"rows\": " + std::to_string(rows) +
                        ", \"tile_px\": [64, 48]";
     switch (geometry.below(4)) {
@@ -145,9 +149,10 @@ std::string randomWall(Geometry& geometry) {
     for (int i = 0; i < count; ++i) {
       text += std::string(i > 0 ? "," : "") + "{\"name\": \"t" + std::to_string(i) +
               "\", \"px\": [64, 48], \"size_mm\": [" + number(200 + 300 * geometry.unit01()) + ", " +
-              number(150 + 200 * geometry.unit01()) + "], \"center_mm\": [" + number(2000 * geometry.unit01()) +
-              ", " + number(1000 * geometry.unit01()) + "], \"rotation_deg\": " +
-              (i % 2 != 0 ? number(360 * geometry.unit01()) : std::string("180")) + "}";
+              number(150 + 200 * geometry.unit01()) + "], \"center_mm\": [" +
+              number(2000 * geometry.unit01()) + ", " + number(1000 * geometry.unit01()) +
+              "], \"rotation_deg\": " + (i % 2 != 0 ? number(360 * geometry.unit01()) : std::string("180")) +
+              "}";
     }
     return text + "]";
   };
@@ -155,7 +160,8 @@ std::string randomWall(Geometry& geometry) {
                                 R"(, "stereo": {"mode": "quad-buffer", "separation_mm": 300})"};
   switch (geometry.below(4)) {
     case 0:
-      return "{\"grid\": " + grid(false) + ", \"camera\": {\"fov_y_deg\": " + number(10 + 130 * geometry.unit01()) + "}}";
+      return "{\"grid\": " + grid(false) +
+             ", \"camera\": {\"fov_y_deg\": " + number(10 + 130 * geometry.unit01()) + "}}";
     case 1:
       return "{\"screens\": [{\"tiles\": " + freeTiles() + "}]}";
     case 2:
@@ -169,7 +175,8 @@ std::string randomWall(Geometry& geometry) {
   const int count = 2 + static_cast<int>(geometry.below(5));
   for (int s = 0; s < count; ++s) {
     const Mat3 turn = Eigen::Quaterniond::UnitRandom().toRotationMatrix();
-    const double width = 1 + geometry.unit01(), height = 1 + geometry.unit01(), distance = 0.5 + geometry.unit01();
+    const double width = 1 + geometry.unit01(), height = 1 + geometry.unit01(),
+                 distance = 0.5 + geometry.unit01();
     const auto corner = [&](double x, double y) {
       const Vec3 p = turn * Vec3(x * width, y * height, -distance);
       return "[" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + "]";
@@ -177,16 +184,19 @@ std::string randomWall(Geometry& geometry) {
     const std::string prefix = "s" + std::to_string(s);
     std::string tiles = "\"grid\": {\"columns\": 2, \"rows\": 3, \"tile_px\": [64, 48], \"names\": [";
     for (int r = 0; r < 3; ++r)
-      tiles += std::string(r > 0 ? "," : "") + "[\"" + prefix + "a" + std::to_string(r) + "\", \"" + prefix + "b" +
-               std::to_string(r) + "\"]";
+      tiles += std::string(r > 0 ? "," : "") + "[\"" + prefix + "a" + std::to_string(r) + "\", \"" + prefix +
+               "b" + std::to_string(r) + "\"]";
     tiles += "]}";
     if (geometry.below(2) == 0)
-      tiles = "\"grid\": {\"columns\": 1, \"rows\": 1, \"tile_px\": [64, 48], \"names\": [[\"" + prefix + "\"]]}";
-    screens += std::string(s > 0 ? "," : "") + "{\"name\": \"" + prefix + "\", \"corners_m\": {\"lower_left\": " +
-               corner(-1, -1) + ", \"lower_right\": " + corner(1, -1) + ", \"upper_left\": " + corner(-1, 1) + "}, " +
-               tiles + "}";
+      tiles =
+          "\"grid\": {\"columns\": 1, \"rows\": 1, \"tile_px\": [64, 48], \"names\": [[\"" + prefix + "\"]]}";
+    screens += std::string(s > 0 ? "," : "") + "{\"name\": \"" + prefix +
+               "\", \"corners_m\": {\"lower_left\": " + corner(-1, -1) +
+               ", \"lower_right\": " + corner(1, -1) + ", \"upper_left\": " + corner(-1, 1) + "}, " + tiles +
+               "}";
   }
-  return "{\"screens\": [" + screens + "], \"observer\": {\"eye_m\": [0, 0, 0]" + stereo[geometry.below(3)] + "}}";
+  return "{\"screens\": [" + screens + "], \"observer\": {\"eye_m\": [0, 0, 0]" + stereo[geometry.below(3)] +
+         "}}";
 }
 
 TEST(WallCuller, randomWallsKeepTheContract) {
@@ -208,8 +218,8 @@ TEST(WallCuller, randomWallsKeepTheContract) {
 
 TEST(WallCuller, gridsWithGapsAndOverlapsAreCulledByFootprints) {
   for (const char* gap : {R"("bezel_mm": 3)", R"("overlap_px": 9)", R"("bezel_mm": {"left": 1, "top": 6})"}) {
-    const Result<Wall> wall =
-        parseWall(std::string(R"({"grid": {"columns": 5, "rows": 4, "tile_px": [64, 48], )") + gap + "}}", gap);
+    const Result<Wall> wall = parseWall(
+        std::string(R"({"grid": {"columns": 5, "rows": 4, "tile_px": [64, 48], )") + gap + "}}", gap);
     ASSERT_TRUE(wall.ok()) << wall.error().text();
     Geometry geometry(9);
     const WallView view = viewOf(*wall, randomPose(geometry, 3), Vec3::Zero(), 6);
@@ -224,15 +234,16 @@ TEST(WallCuller, gridsWithGapsAndOverlapsAreCulledByFootprints) {
 
 /// In grids with bezels what lies in the gaps alone is shown by nobody, whichever culler.
 TEST(WallCuller, gapsAreNotListed) {
-  const Result<Wall> wall = parseWall(
-      R"({"grid": {"columns": 4, "rows": 3, "tile_px": [64, 48], "bezel_mm": 4}})", "gaps");
+  const Result<Wall> wall =
+      parseWall(R"({"grid": {"columns": 4, "rows": 3, "tile_px": [64, 48], "bezel_mm": 4}})", "gaps");
   ASSERT_TRUE(wall.ok());
   const WallView view = viewOf(*wall, {}, Vec3::Zero(), 10);
   TriangleScene scene;
   // Between the second and third column, and as large in the middle of a tile.
   const auto at = [&](double x, double y) {
     const Frustum& s = view.screens[0];
-    return Vec3(s.eye + 0.5 * (s.corners[3] + x * (s.corners[2] - s.corners[3]) + y * (s.corners[0] - s.corners[3]) - s.eye));
+    return Vec3(s.eye + 0.5 * (s.corners[3] + x * (s.corners[2] - s.corners[3]) +
+                               y * (s.corners[0] - s.corners[3]) - s.eye));
   };
   for (const double x : {0.5, 0.36}) {
     const Vec3 p = at(x, 0.5);
