@@ -19,6 +19,7 @@ constexpr int kMaxTilePx = 16384;
 constexpr int kMaxGridSide = 256;
 constexpr int kMaxWallPx = 65535;
 constexpr double kLeastScreenM = 1e-3;
+constexpr double kLeastTileMm = 1e-3;
 constexpr double kLeastEyeDistanceM = 0.01;
 constexpr double kMaxCoordinateM = 1e6;
 constexpr std::size_t kMaxNameBytes = 256;
@@ -145,8 +146,8 @@ std::string faultOf(const std::string& tile, std::array<int, 2> px, const std::a
     return "the tile " + tile + " has " + std::to_string(px[0]) + " x " + std::to_string(px[1]) +
            " pixels; 1 to " + std::to_string(kMaxTilePx) + " a side are possible";
   }
-  const auto isLength = [](double mm) { return mm > 0 && mm <= kMaxCoordinateM * 1000; };
-  if (!isLength(sizeMm[0]) || !isLength(sizeMm[1])) return "the tile " + tile + " has no size";
+  const auto isLength = [](double mm) { return mm >= kLeastTileMm && mm <= kMaxCoordinateM * 1000; };
+  if (!isLength(sizeMm[0]) || !isLength(sizeMm[1])) return "the tile " + tile + " has no possible size";
   return {};
 }
 

@@ -47,6 +47,9 @@ TEST(JsonDocument, knowsTheLineOfEveryValue) {
   ASSERT_EQ(elements.size(), 5u);
   EXPECT_EQ(elements[0].line(), 7);
   EXPECT_EQ(elements[1].line(), 8);
+  EXPECT_TRUE(elements[1].isTrue());
+  EXPECT_EQ(elements[1].number(), 0) << "a truth value is no number";
+  EXPECT_FALSE(elements[0].isTrue());
   EXPECT_EQ(elements[2].line(), 9);
   EXPECT_EQ(elements[3].string(), "s");
   EXPECT_EQ(elements[4].kind(), JsonKind::Object);

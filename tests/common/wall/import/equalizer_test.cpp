@@ -268,6 +268,8 @@ TEST(ImportEqualizer, saysWhereAnErrorIs) {
                        "smaller than a millimetre"));
   EXPECT_TRUE(
       contains(errorOf(with(kTwoWindows, ".75 0 .25 .25", ".75 0 .5 .25"), "a.eqc"), "edge of the screen"));
+  EXPECT_TRUE(
+      contains(errorOf(with(kTwoWindows, ".75 0 .25 .25", ".75 0 1e-7 .25"), "a.eqc"), "no possible size"));
   EXPECT_TRUE(contains(errorOf(projected("fov [ 54 40 ]"), "a.eqc"), "needs a distance"));
   EXPECT_TRUE(contains(errorOf("#Equalizer\nserver { config { appNode { } } }", "a.eqc"), "no canvas"));
   EXPECT_TRUE(contains(errorOf("server { }", "a.eqc"), "no config"));
