@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMostSidePx = 65535;
-/// Between what does not hang together, of its height.
+/// Between what does not hang together, of the height.
 constexpr double kGap = 0.06;
 
 using Quad = std::array<Vec2, 4>;
@@ -88,23 +88,15 @@ class Unfolding {
  public:
   explicit Unfolding(const Wall& wall)
       : wall_(wall), flat_(wall.screens.size()), group_(wall.screens.size(), 0) {
-    int groups = 0;
-    double x = 0;
+    std::vector<std::vector<std::size_t>> pieces;
     for (std::size_t first = 0; first < flat_.size(); ++first) {
       if (group_[first] != 0) continue;
-      group_[first] = ++groups;
-      std::vector<std::size_t> open = {first};
+      std::vector<std::size_t>& open = pieces.emplace_back(1, first);
+      group_[first] = static_cast<int>(pieces.size());
       for (std::size_t i = 0; i < open.size(); ++i)
         unfoldAbout(open[i], open);
-      Extent extent;
-      for (const std::size_t s : open)
-        add(s, extent);
-      const double gap = groups > 1 ? kGap * (extent.most.y() - extent.least.y()) : 0;
-      const Vec2 shift(x + gap - extent.least.x(), -(extent.least.y() + extent.most.y()) / 2);
-      for (const std::size_t s : open)
-        flat_[s].center += shift;
-      x += gap + extent.most.x() - extent.least.x();
     }
+    setInRows(pieces);
   }
 
   [[nodiscard]] std::vector<FlatScreen> take() { return std::move(flat_); }
@@ -115,6 +107,33 @@ class Unfolding {
     for (const double x : {own.least.x(), own.most.x()}) {
       for (const double y : {own.least.y(), own.most.y()})
         extent.add(flat_[s].at({x, y}));
+    }
+  }
+
+  /// Side by side, as lines of text are set, to a picture about twice as wide as high.
+  void setInRows(const std::vector<std::vector<std::size_t>>& pieces) {
+    std::vector<Extent> extents(pieces.size());
+    double area = 0, widest = 0, tallest = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      for (const std::size_t s : pieces[i])
+        add(s, extents[i]);
+      const Vec2 size = extents[i].most - extents[i].least;
+      area += size.x() * size.y();
+      widest = std::max(widest, size.x());
+      tallest = std::max(tallest, size.y());
+    }
+    const double mostWidth = std::max(widest, std::sqrt(2 * area)) * (1 + kGap), gap = kGap * tallest;
+    double x = 0, y = 0, rowHeight = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      const Vec2 size = extents[i].most - extents[i].least;
+      if (x > 0 && x + size.x() > mostWidth) {
+        y += rowHeight + gap;
+        x = rowHeight = 0;
+      }
+      for (const std::size_t s : pieces[i])
+        flat_[s].center += Vec2(x, y) - extents[i].least;
+      x += size.x() + gap;
+      rowHeight = std::max(rowHeight, size.y());
     }
   }
 

@@ -28,8 +28,9 @@ void LiveFlags::add(CLI::App& app) {
   app.add_flag("--test-pattern", alignment,
                "Lines, circles and colours to align the tiles by, instead of the scene (key F3)")
       ->excludes(identifyFlag);
-  app.add_option("--osc-port", oscPort,
-                 "UDP port at which a tracker says /tessera/head x y z (metres, room); instead of the wall file's")
+  app.add_option(
+         "--osc-port", oscPort,
+         "UDP port at which a tracker says /tessera/head x y z (metres, room); instead of the wall file's")
       ->check(CLI::Range(1, 65535))
       ->envname("TESSERA_OSC_PORT");
 }
