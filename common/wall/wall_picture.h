@@ -22,8 +22,8 @@ struct PicturePlace {
 };
 
 /// The wall laid out flat, true to scale, bezels and all: screens that share an edge are unfolded over it as
-/// long as none covers another, the first of them upright; what does not hang together stands side by side, in rows.
-/// Tiles for the right eye are shown in a second wall beside the first.
+/// long as none covers another, the first of them upright; what does not hang together stands side by side,
+/// in rows. Tiles for the right eye are shown in a second wall beside the first.
 struct WallPicture {
   std::vector<FlatScreen> screens;  ///< in the order of Wall::screens
   double widthMm = 0, heightMm = 0;

@@ -7,11 +7,13 @@
 #include <memory>
 
 #include "common/base/file.h"
+#include "common/wall/wall_file.h"
 #include "server/bench/candidates.h"
 #include "server/bench/cull_table.h"
 #include "server/bench/exponents.h"
 #include "server/bench/paper_figures.h"
 #include "server/bench/targets.h"
+#include "server/bench/wall_shapes.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
 
@@ -219,6 +221,56 @@ void addTargetsCommand(CLI::App& bench, std::vector<Command>& commands) {
   commands.push_back({app, [flags] { return benchTargets(*flags); }});
 }
 
+struct WallsFlags {
+  InputFiles files;
+  std::vector<std::string> walls;
+  std::string json;
+  bench::WallShapesOptions options;
+};
+
+Status benchWalls(const WallsFlags& flags) {
+  std::vector<Wall> walls;
+  for (const std::string& file : flags.walls) {
+    auto wall = readWallFile(file);
+    if (!wall) return wall.error();
+    walls.push_back(std::move(*wall));
+  }
+  const auto camera = flags.files.readCamera();
+  if (!camera) return camera.error();
+  const auto scene = flags.files.readScene();
+  if (!scene) return scene.error();
+  const bench::Json shapes = bench::wallShapes(*scene, walls, *camera, flags.options);
+  for (const bench::Json& shape : shapes["walls"]) {
+    std::printf("%s: %d tiles on %d screens in %d groups\n", shape["wall"].get<std::string>().c_str(),
+                shape["tiles"].get<int>(), shape["screens"].get<int>(), shape["groups"].get<int>());
+    for (const bench::Json& entry : shape["candidates"]) {
+      std::printf("  %-16s %10.1f us %8.2f times as fast as tile by tile %10.0f pairs\n",
+                  entry["name"].get<std::string>().c_str(), entry["us"]["p50"].get<double>(),
+                  entry["time_of_tile_by_tile"]["p50"].get<double>(), entry["pairs_per_frame"].get<double>());
+    }
+  }
+  return writeJson(flags.json, shapes);
+}
+
+void addWallsCommand(CLI::App& bench, std::vector<Command>& commands) {
+  CLI::App* app = bench.add_subcommand(
+      "walls", "Walls of every shape: culled as the master does, by one hierarchy, tile by tile, eye by eye");
+  auto flags = std::make_shared<WallsFlags>();
+  app->add_option("--wall", flags->walls, "Wall files")->required()->expected(1, 64);
+  flags->files.addScene(*app);
+  flags->files.addHierarchy(*app);
+  flags->files.addCamera(*app);
+  app->add_option("--frames", flags->options.frames, "Frames, evenly along the camera path")
+      ->capture_default_str()
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000}));
+  app->add_option("--head-step", flags->options.headStepM,
+                  "An observer's head moves by so many metres a frame; 0: not at all")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  app->add_option("--json", flags->json, "Write the figures to this file");
+  commands.push_back({app, [flags] { return benchWalls(*flags); }});
+}
+
 void addCullTableCommand(CLI::App& bench, std::vector<Command>& commands) {
   CLI::App* cull = bench.add_subcommand(
       "cull",
@@ -283,6 +335,7 @@ void addBenchCommands(CLI::App& tessera, std::vector<Command>& commands) {
 
   addCullTableCommand(*bench, commands);
   addTargetsCommand(*bench, commands);
+  addWallsCommand(*bench, commands);
 }
 
 }  // namespace tessera

@@ -25,8 +25,9 @@ struct Rgb {
 };
 
 Rgb at(const Picture& picture, int x, int y) {
-  const std::size_t i =
-      (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.widthPx) + static_cast<std::size_t>(x)) * 3;
+  const std::size_t i = (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.widthPx) +
+                         static_cast<std::size_t>(x)) *
+                        3;
   return {picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]};
 }
 
@@ -59,8 +60,8 @@ class Walls : public ::testing::Test {
  protected:
   Picture draw(const std::string& wall, const std::string& scene, const std::vector<std::string>& more = {}) {
     const std::string out = folder_ / ("out" + std::to_string(runs_++));
-    std::vector<std::string> arguments = {program("tessera"), "run",     "--wall", wall,   "--scene",
-                                          scene,              "--frames", "1",      "--out", out, "--up", "y"};
+    std::vector<std::string> arguments = {program("tessera"), "run", "--wall", wall, "--scene", scene,
+                                          "--frames",         "1",   "--out",  out,  "--up",    "y"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run(arguments, seconds(120));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -92,7 +93,8 @@ class Walls : public ::testing::Test {
 
 TEST_F(Walls, aStraightLineStaysStraightAcrossBezels) {
   // 20 mm between panels are 10 pixels.
-  const std::string wall = folder_.write("bezels.json", R"({"grid": {"columns": 3, "rows": 2, "tile_px": [160, 120],
+  const std::string wall =
+      folder_.write("bezels.json", R"({"grid": {"columns": 3, "rows": 2, "tile_px": [160, 120],
       "tile_mm": [320, 240], "bezel_mm": 10}, "camera": {"fov_y_deg": 60}})");
   const std::string scene = barScene();
   const Picture tiled = draw(wall, scene, {"--camera", camera()});
@@ -118,7 +120,8 @@ TEST_F(Walls, aStraightLineStaysStraightAcrossBezels) {
 }
 
 TEST_F(Walls, blendedOverlapsSumToThePictureWithoutThem) {
-  const std::string text = R"({"grid": {"columns": 2, "rows": 2, "tile_px": [160, 120], "overlap_px": [40, 24],
+  const std::string text =
+      R"({"grid": {"columns": 2, "rows": 2, "tile_px": [160, 120], "overlap_px": [40, 24],
       "tile": {"gamma": 2.2}}, "camera": {"fov_y_deg": 60}})";
   const std::string wall = folder_.write("blend.json", text);
   const std::string scene = barScene();
@@ -190,14 +193,16 @@ TEST_F(Walls, facesOfACaveMeetWithinAPixel) {
 
 TEST_F(Walls, turnedPanelsShowWhatUprightOnesShow) {
   const std::string scene = barScene();
-  const std::string upright = R"({"grid": {"columns": 2, "rows": 1, "tile_px": [120, 160]}, "camera": {"fov_y_deg": 60}})";
+  const std::string upright =
+      R"({"grid": {"columns": 2, "rows": 1, "tile_px": [120, 160]}, "camera": {"fov_y_deg": 60}})";
   const Picture expected = draw(folder_.write("upright.json", upright), scene, {"--camera", camera()});
   for (const char* degrees : {"90", "180", "270"}) {
     const bool isSide = std::string(degrees) != "180";
-    const std::string wall = folder_.write(
-        std::string("turned") + degrees + ".json",
-        std::string(R"({"grid": {"columns": 2, "rows": 1, "tile_px": )") + (isSide ? "[160, 120]" : "[120, 160]") +
-            ", \"rotation_deg\": " + degrees + R"(}, "camera": {"fov_y_deg": 60}})");
+    const std::string wall =
+        folder_.write(std::string("turned") + degrees + ".json",
+                      std::string(R"({"grid": {"columns": 2, "rows": 1, "tile_px": )") +
+                          (isSide ? "[160, 120]" : "[120, 160]") + ", \"rotation_deg\": " + degrees +
+                          R"(}, "camera": {"fov_y_deg": 60}})");
     const Picture turned = draw(wall, scene, {"--camera", camera()});
     const auto difference = compare(turned, expected);
     ASSERT_TRUE(difference.ok()) << difference.error().text();
@@ -209,7 +214,8 @@ TEST_F(Walls, turnedPanelsShowWhatUprightOnesShow) {
 
 TEST_F(Walls, everyShippedWallIsDrawn) {
   const std::string scene = folder_ / "plant.glb";
-  ASSERT_EQ(run({program("tessera"), "scene", "make", "powerplant", "--triangles", "20000", "--out", scene}, seconds(60))
+  ASSERT_EQ(run({program("tessera"), "scene", "make", "powerplant", "--triangles", "20000", "--out", scene},
+                seconds(60))
                 .status,
             0);
   constexpr std::size_t kMostDrawn = 20;  // a process for each
@@ -221,8 +227,8 @@ TEST_F(Walls, everyShippedWallIsDrawn) {
     const auto wall = readWallFile(entry.path());
     ASSERT_TRUE(wall.ok());
     if (wall->tiles.size() > kMostDrawn) {
-      const Outcome outcome = run({program("tessera"), "run", "--wall", entry.path().string(), "--scene", scene,
-                                   "--frames", "2", "--surface", "none", "--tiles-per-process", "0"},
+      const Outcome outcome = run({program("tessera"), "run", "--wall", entry.path().string(), "--scene",
+                                   scene, "--frames", "2", "--surface", "none", "--tiles-per-process", "0"},
                                   seconds(120));
       EXPECT_EQ(outcome.status, 0) << outcome.err;
       continue;
@@ -252,14 +258,15 @@ TEST_F(Walls, everyShippedWallIsDrawn) {
 
 TEST_F(Walls, cullingIsAuditedOnEveryShippedWall) {
   const std::string scene = folder_ / "city.glb";
-  ASSERT_EQ(run({program("tessera"), "scene", "make", "city", "--leaves", "600", "--out", scene}, seconds(60)).status, 0);
+  ASSERT_EQ(run({program("tessera"), "scene", "make", "city", "--leaves", "600", "--out", scene}, seconds(60))
+                .status,
+            0);
   for (const auto& entry : fs::directory_iterator(fs::path(TESSERA_SOURCE_DIR) / "configs")) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("wall-") || !name.ends_with(".json")) continue;
-    const Outcome outcome =
-        run({program("tessera"), "cull", "--wall", entry.path().string(), "--scene", scene, "--camera",
-             config("fly.camera.json"), "--frames", "6", "--audit"},
-            seconds(120));
+    const Outcome outcome = run({program("tessera"), "cull", "--wall", entry.path().string(), "--scene",
+                                 scene, "--camera", config("fly.camera.json"), "--frames", "6", "--audit"},
+                                seconds(120));
     EXPECT_EQ(outcome.status, 0) << name << outcome.err;
     EXPECT_NE(outcome.out.find(" 0 dropped"), std::string::npos) << name << outcome.out;
   }
@@ -267,8 +274,8 @@ TEST_F(Walls, cullingIsAuditedOnEveryShippedWall) {
 
 TEST_F(Walls, newWallsAreMadeDrawnAndPrinted) {
   const std::string file = folder_ / "made.json", svg = folder_ / "made.svg";
-  const Outcome made = run({program("tessera"), "wall", "make", "4x3", "--bezel", "12mm", "--tile", "1920x1080",
-                            "--size", "1.21x0.68", "--out", file});
+  const Outcome made = run({program("tessera"), "wall", "make", "4x3", "--bezel", "12mm", "--tile",
+                            "1920x1080", "--size", "1.21x0.68", "--out", file});
   ASSERT_EQ(made.status, 0) << made.err;
   const Outcome checked = run({program("tessera"), "check", "--wall", file, "--svg", svg});
   EXPECT_EQ(checked.status, 0) << checked.err;
@@ -283,9 +290,12 @@ TEST_F(Walls, newWallsAreMadeDrawnAndPrinted) {
   EXPECT_NE(run({program("tessera"), "check", "--wall", file, "--print-config"}, seconds(10), environment)
                 .out.find("\"fov_y_deg\": 44"),
             std::string::npos);
-  for (const std::vector<std::string>& bad :
-       {std::vector<std::string>{"4"}, {"4x3", "--bezel", "-1mm"}, {"4x3", "--bezel", "12mm"}, {"4x3", "--size", "1"},
-        {"0x3"}, {"4x3", "--overlap", "1920x0"}}) {
+  for (const std::vector<std::string>& bad : {std::vector<std::string>{"4"},
+                                              {"4x3", "--bezel", "-1mm"},
+                                              {"4x3", "--bezel", "12mm"},
+                                              {"4x3", "--size", "1"},
+                                              {"0x3"},
+                                              {"4x3", "--overlap", "1920x0"}}) {
     std::vector<std::string> arguments = {program("tessera"), "wall", "make"};
     arguments.insert(arguments.end(), bad.begin(), bad.end());
     const Outcome outcome = run(arguments);

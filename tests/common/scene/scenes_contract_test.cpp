@@ -105,18 +105,19 @@ View viewFor(const Wall& wall, const NamedPose& named, const Scene& scene, const
   const Wall untiled = wall.untiled();
   whole = viewOf(untiled, named.pose, center, radius);
   for (WallView* of : {&frusta, &whole}) {
-    of->wall.near = of->wall.far = std::nullopt;
+    of->screens[0].near = of->screens[0].far = std::nullopt;
     for (Frustum& tile : of->tiles)
       tile.near = tile.far = std::nullopt;
   }
-  View view{.name = std::string(named.name) + " on " + std::to_string(wall.columns) + "x" +
-                    std::to_string(wall.rows),
+  View view{.name = std::string(named.name) + " on " + std::to_string(wall.screens[0].columns) + "x" +
+                    std::to_string(wall.screens[0].rows),
             .meets = {},
             .exactPairs = 0,
-            .grid = {static_cast<std::uint16_t>(wall.columns), static_cast<std::uint16_t>(wall.rows)},
+            .grid = {static_cast<std::uint16_t>(wall.screens[0].columns),
+                     static_cast<std::uint16_t>(wall.screens[0].rows)},
             .untiled = {1, 1}};
-  view.grid.update(frusta.wall, frusta.tiles);
-  view.untiled.update(whole.wall, whole.tiles);
+  view.grid.update(frusta.screens[0], frusta.tiles);
+  view.untiled.update(whole.screens[0], whole.tiles);
   for (const Frustum& tile : frusta.tiles) {
     const ExactFrustum exact(tile);
     std::vector<bool>& meets = view.meets.emplace_back(geometries.leaves.size());

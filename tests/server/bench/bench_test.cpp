@@ -30,7 +30,7 @@ class SmallCity : public ::testing::Test {
     ASSERT_TRUE(scene) << scene.error().text();
     scene_ = *scene;
     view_ = Walk(wall_, flyPath(), scene_.sphere(), 1).view(0);
-    frusta_.update(view_.wall, view_.tiles);
+    frusta_.update(view_.screens[0], view_.tiles);
   }
   TemporaryFolder folder_;
   Scene scene_;

@@ -15,8 +15,9 @@ using proto::InputKind;
 constexpr std::int32_t kF = 70, kG = 71, kP = 80, kTwo = 50, kW = 87, kE = 69, kShift = 340;
 
 Navigator navigator() {
-  return Navigator({CameraPose{.eye = {0, 2, 10}, .target = {0, 2, 0}}, CameraPose{.eye = {5, 5, 5}, .target = {0, 0, 0}}},
-                   Vec3(0, 2, 0), 4, 1);
+  return Navigator(
+      {CameraPose{.eye = {0, 2, 10}, .target = {0, 2, 0}}, CameraPose{.eye = {5, 5, 5}, .target = {0, 0, 0}}},
+      Vec3(0, 2, 0), 4, 1);
 }
 
 Input key(std::int32_t code, bool pressed = true) {
@@ -126,7 +127,8 @@ TEST(Navigator, anyInputGivesAPose) {
     input.code = static_cast<std::int32_t>(random(350));
     input.pressed = random(2) == 0;
     input.x = random(1001) / 1000.0;
-    input.y = input.kind == InputKind::Scroll ? static_cast<double>(random(2001)) - 1000 : random(1001) / 1000.0;
+    input.y =
+        input.kind == InputKind::Scroll ? static_cast<double>(random(2001)) - 1000 : random(1001) / 1000.0;
     for (float& axis : input.axes)
       axis = static_cast<float>(random(2001)) / 1000 - 1;
     n.handle(input);

@@ -15,7 +15,8 @@ Wall wallFrom(const std::string& text) {
 }
 
 TEST(TileSetups, tellWhereTilesHangAndWhatTheirDisplaysNeed) {
-  const Wall wall = wallFrom(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [100, 80], "tile_mm": [500, 400],
+  const Wall wall =
+      wallFrom(R"({"grid": {"columns": 2, "rows": 1, "tile_px": [100, 80], "tile_mm": [500, 400],
       "overlap_px": [20, 0], "tile": {"gamma": 1.8}}, "tiles": {"r0c1": {"gain_rgb": [1, 0.5, 2]}}})");
   const auto setups = TileSetups::make(wall);
   ASSERT_TRUE(setups.ok()) << setups.error().text();
