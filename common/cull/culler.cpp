@@ -76,9 +76,16 @@ bool mayUseFootprints(const Options& options) {
 }  // namespace
 
 Culler::Culler(const ObjectHierarchy& scene, const Options& options)
+    : Culler(scene, options, static_cast<const FootprintCuller*>(nullptr)) {}
+Culler::Culler(const ObjectHierarchy& scene, const Options& options, const Culler& sharing)
+    : Culler(scene, options, sharing.footprints_.get()) {
+  if (sharing.scene_ != &scene || sharing.options_.bounds != options.bounds) std::abort();
+}
+Culler::Culler(const ObjectHierarchy& scene, const Options& options, const FootprintCuller* sharing)
     : scene_(&scene), options_(options), workspace_(std::make_unique<Workspace>()) {
   if (!check(options)) std::abort();
-  if (mayUseFootprints(options)) footprints_ = std::make_unique<FootprintCuller>(scene, options);
+  if (mayUseFootprints(options))
+    footprints_ = std::make_unique<FootprintCuller>(scene, options, sharing ? sharing->boxes() : nullptr);
 }
 Culler::~Culler() = default;
 Culler::Culler(Culler&&) noexcept = default;

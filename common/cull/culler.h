@@ -23,6 +23,9 @@ class Culler {
  public:
   /// `options` must pass check().
   Culler(const ObjectHierarchy& scene, const Options& options);
+  /// The same, with what both make of the scene's boxes in memory once: `sharing` is of the same scene and
+  /// options. Together they are then no more thread-safe than one.
+  Culler(const ObjectHierarchy& scene, const Options& options, const Culler& sharing);
   ~Culler();
   Culler(Culler&&) noexcept;
   Culler& operator=(Culler&&) noexcept;
@@ -45,6 +48,7 @@ class Culler {
   [[nodiscard]] Algorithm picked() const { return picked_; }
 
  private:
+  Culler(const ObjectHierarchy& scene, const Options& options, const FootprintCuller* sharing);
   void pick(const FrustumHierarchy& frusta, bool forChanges);
   void listBeforeFrom(const FrustumHierarchy& frusta);
   void listAll(const FrustumHierarchy& frusta);

@@ -7,8 +7,13 @@ namespace tessera {
 
 namespace {
 
-bool isEvenGrid(const Wall& wall, const Screen& screen) {
+constexpr double kTouching = 1e-9;
+
+bool isEvenGrid(const Wall& wall, const Screen& screen, Grouping grouping) {
   if (screen.columns == 0) return false;
+  if (grouping == Grouping::Grids) return true;
+  // A hierarchy that bisects a grid would unfold all that lies in overlaps down to the leaves.
+  if (screen.latticeWidth < 1 - kTouching || screen.latticeHeight < 1 - kTouching) return false;
   return wall.screens.size() == 1 || (screen.columns > 1 && screen.rows > 1);
 }
 
@@ -28,8 +33,7 @@ void add(const Wall& wall, std::uint32_t tile, FrustumGroup& group) {
 
 }  // namespace
 
-std::vector<FrustumGroup> frustumGroups(const Wall& wall) {
-  constexpr double kTouching = 1e-9;
+std::vector<FrustumGroup> frustumGroups(const Wall& wall, Grouping grouping) {
   std::vector<FrustumGroup> groups;
   FrustumGroup others;
   for (std::uint32_t s = 0; s < wall.screens.size(); ++s) {
@@ -37,7 +41,7 @@ std::vector<FrustumGroup> frustumGroups(const Wall& wall) {
     FrustumGroup grid{.columns = screen.columns, .rows = screen.rows, .screen = s};
     grid.touch =
         std::abs(screen.latticeWidth - 1) < kTouching && std::abs(screen.latticeHeight - 1) < kTouching;
-    const bool isGrid = isEvenGrid(wall, screen);
+    const bool isGrid = isEvenGrid(wall, screen, grouping);
     for (std::uint32_t t = screen.firstTile; t < screen.firstTile + screen.tileCount; ++t) {
       if (isGrid) {
         grid.tiles.push_back(t);
@@ -48,7 +52,18 @@ std::vector<FrustumGroup> frustumGroups(const Wall& wall) {
     }
     if (isGrid) groups.push_back(std::move(grid));
   }
-  if (!others.tiles.empty()) groups.push_back(std::move(others));
+  if (others.tiles.empty()) return groups;
+  if (grouping == Grouping::Hierarchies) {
+    groups.push_back(std::move(others));
+    return groups;
+  }
+  for (std::size_t i = 0; i < others.tiles.size(); ++i) {
+    FrustumGroup alone{
+        .columns = 1, .rows = 1, .screen = wall.tiles[others.tiles[i]].screen, .isAlone = true};
+    alone.tiles.push_back(others.tiles[i]);
+    alone.twins.push_back(others.twins[i]);
+    groups.push_back(std::move(alone));
+  }
   return groups;
 }
 

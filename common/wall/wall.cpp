@@ -148,9 +148,12 @@ void viewByObserver(const Wall& wall, const Observer& observer, const CameraPose
     if (!isStereo) continue;
     const ScreenImage left = imageFor(screen, view.axes.back(), -halfSeparationM);
     const ScreenImage rightImage = imageFor(screen, view.axes.back(), halfSeparationM);
+    view.leftLattices.push_back(left.rectangle(screen.latticeWidth, screen.latticeHeight, depths));
+    view.rightLattices.push_back(rightImage.rectangle(screen.latticeWidth, screen.latticeHeight, depths));
     for (std::uint32_t t = screen.firstTile; t < screen.firstTile + screen.tileCount; ++t) {
-      view.left.push_back(left.tile(wall.tiles[t], depths));
-      view.right.push_back(rightImage.tile(wall.tiles[t], depths));
+      const Tile& tile = wall.tiles[t];
+      view.left.push_back((tile.eye == TileEye::Right ? rightImage : left).tile(tile, depths));
+      view.right.push_back((tile.eye == TileEye::Left ? left : rightImage).tile(tile, depths));
     }
   }
 }
@@ -283,6 +286,8 @@ void viewInto(const Wall& wall, const CameraPose& pose, const Vec3& sceneCenter,
   view.tiles.clear();
   view.left.clear();
   view.right.clear();
+  view.leftLattices.clear();
+  view.rightLattices.clear();
   view.axes.clear();
   view.tiles.reserve(wall.tiles.size());
   if (wall.observer) {

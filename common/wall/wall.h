@@ -135,11 +135,13 @@ struct ImageAxes {
 /// One frame's view of the whole wall. All frusta are of the one eye between the observer's, and their
 /// corners as the viewer sees them (Tile::corners); see drawnFrustum for what a tile draws.
 struct WallView {
-  std::vector<Frustum> screens;      ///< in the order of Wall::screens
-  std::vector<Frustum> lattices;     ///< of the screens' grids
-  std::vector<Frustum> tiles;        ///< in the order of Wall::tiles
-  std::vector<Frustum> left, right;  ///< the tiles' by each eye of a stereo observer; else empty
-  std::vector<ImageAxes> axes;       ///< of the screens; tiles that are turned have their own (drawnAxes)
+  std::vector<Frustum> screens;   ///< in the order of Wall::screens
+  std::vector<Frustum> lattices;  ///< of the screens' grids
+  std::vector<Frustum> tiles;     ///< in the order of Wall::tiles
+  /// The tiles' by each eye of a stereo observer, those of a tile for one eye both by that; else empty.
+  std::vector<Frustum> left, right;
+  std::vector<Frustum> leftLattices, rightLattices;  ///< the screens', by each eye
+  std::vector<ImageAxes> axes;  ///< of the screens; tiles that are turned have their own (drawnAxes)
 };
 
 /// The frusta of one frame. Neighbouring tiles share the doubles of their common corners, so they share

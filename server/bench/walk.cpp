@@ -32,7 +32,7 @@ Walk::Step Walk::step() const {
 }
 
 WallFrusta::WallFrusta(const Wall& wall) {
-  const std::vector<FrustumGroup> groups = frustumGroups(wall);
+  const std::vector<FrustumGroup> groups = frustumGroups(wall, Grouping::Hierarchies);
   const FrustumGroup& first = groups.front();
   if (groups.size() > 1 || first.columns == 0) return;
   grid_.emplace(static_cast<std::uint16_t>(first.columns), static_cast<std::uint16_t>(first.rows),

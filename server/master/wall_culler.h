@@ -13,10 +13,11 @@
 namespace tessera {
 
 /// Culls a scene to a whole wall, whatever its shape: a frustum hierarchy and a culler for each group of
-/// tiles (frustumGroups), the eyes of a stereo pair together. Lists are in the order of Wall::tiles; in
-/// stereo a tile's list holds what either eye sees.
+/// tiles (frustumGroups). Lists are in the order of Wall::tiles; in stereo the list of a tile for both eyes
+/// holds what either sees. By planes a pair of eyes is culled in one traversal (FrustumHierarchy::holdEyes);
+/// by footprints each eye is culled apart, which is faster.
 ///
-/// As cull::Culler: deterministic, not thread-safe, no allocation once warm.
+/// As cull::Culler: deterministic, not thread-safe, no allocation once warm but for walls in stereo.
 class WallCuller {
  public:
   /// `scene` outlives the culler; `options` must pass check().
@@ -42,6 +43,8 @@ class WallCuller {
     std::optional<GridFrusta> grid;
     GeneralFrusta general;
     cull::Culler culler;
+    std::optional<GridFrusta> rightGrid;  ///< eyes apart: `grid` and `culler` are the left one's
+    std::optional<cull::Culler> rightCuller;
     std::vector<Frustum> tiles, left, right;  ///< of the frame, where they are not simply the wall's
     [[nodiscard]] const FrustumHierarchy& frusta() const {
       return grid ? static_cast<const FrustumHierarchy&>(*grid) : general;
@@ -52,12 +55,17 @@ class WallCuller {
   };
 
   void update(Group& group, const WallView& view);
+  void updateApart(Group& group, const WallView& view);
+  void cullApart(Group& group);
 
+  std::vector<TileEye> eyes_;  ///< by tile
+  bool eyesApart_ = false;
   std::vector<Group> groups_;
   std::vector<Place> places_;  ///< by tile
   bool isPlain_ = false;       ///< one group in the wall's own order: its results are the wall's
   cull::Result result_;
   cull::Changes changes_;
+  std::vector<VisibleList> listsBefore_;  ///< of eyes apart
 };
 
 }  // namespace tessera

@@ -61,7 +61,7 @@ class Walls : public ::testing::Test {
   Picture draw(const std::string& wall, const std::string& scene, const std::vector<std::string>& more = {}) {
     const std::string out = folder_ / ("out" + std::to_string(runs_++));
     std::vector<std::string> arguments = {program("tessera"), "run", "--wall", wall, "--scene", scene,
-                                          "--frames",         "1",   "--out",  out,  "--up",    "y"};
+                                          "--frames",         "1",   "--out",  out};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run(arguments, seconds(120));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -214,7 +214,7 @@ TEST_F(Walls, turnedPanelsShowWhatUprightOnesShow) {
 
 TEST_F(Walls, everyShippedWallIsDrawn) {
   const std::string scene = folder_ / "plant.glb";
-  ASSERT_EQ(run({program("tessera"), "scene", "make", "powerplant", "--triangles", "20000", "--out", scene},
+  ASSERT_EQ(run({program("tessera"), "scene", "make", "powerplant", "--triangles", "150000", "--out", scene},
                 seconds(60))
                 .status,
             0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 #include <thread>
+#include <utility>
 
 #include "common/hierarchy/frustum_hierarchy.h"
 
@@ -15,10 +16,32 @@ constexpr double kMostErrorTiles = 1.0 / 64;
 /// Leaves from which two threads beat one.
 constexpr std::uint32_t kLeavesForThreads = 50'000;
 
+/// So few that it is worth to look at them alone.
+bool fewChanged(const ObjectHierarchy& oh) {
+  return oh.changedLeaves().size() < oh.leafCount() / 4;
+}
+
 }  // namespace
 
-FootprintCuller::FootprintCuller(const ObjectHierarchy& oh, const Options& options)
-    : oh_(&oh), options_(options) {}
+BoxTree& SharedBoxes::upToDate() {
+  const std::uint64_t revision = oh_->revision();
+  if (isBuilt_ && revision_ == revision) return tree_;
+  const std::span<const std::uint32_t> changed = oh_->changedLeaves();
+  if (isBuilt_ && revision == revision_ + 1 && fewChanged(*oh_)) {
+    tree_.refit(*oh_, changed);
+  } else {
+    tree_.build(*oh_, bounds_);
+  }
+  revision_ = revision;
+  isBuilt_ = true;
+  return tree_;
+}
+
+FootprintCuller::FootprintCuller(const ObjectHierarchy& oh, const Options& options,
+                                 std::shared_ptr<SharedBoxes> boxes)
+    : oh_(&oh),
+      options_(options),
+      boxes_(boxes ? std::move(boxes) : std::make_shared<SharedBoxes>(oh, options.bounds)) {}
 
 bool FootprintCuller::suits(const FrustumHierarchy& frusta) {
   if (!frusta.grid()) return false;
@@ -28,19 +51,18 @@ bool FootprintCuller::suits(const FrustumHierarchy& frusta) {
   return 4 * std::max(frame.columnError, frame.rowError) < kMostErrorTiles;
 }
 
-void FootprintCuller::prepare() {
+BoxTree& FootprintCuller::prepare() {
+  BoxTree& tree = boxes_->upToDate();
   const std::uint64_t revision = oh_->revision();
-  if (isBuilt_ && revision_ == revision) return;
-  const std::span<const std::uint32_t> changed = oh_->changedLeaves();
-  if (isBuilt_ && revision == revision_ + 1 && changed.size() < oh_->leafCount() / 4) {
-    tree_.refit(*oh_, changed);
-    table_.expire(changed);
-  } else {
-    tree_.build(*oh_, options_.bounds);
-    table_.expireAll();
+  if (hasTable_ && revision_ != revision) {
+    if (revision == revision_ + 1 && fewChanged(*oh_)) {
+      table_.expire(oh_->changedLeaves());
+    } else {
+      table_.expireAll();
+    }
   }
   revision_ = revision;
-  isBuilt_ = true;
+  return tree;
 }
 
 unsigned FootprintCuller::threads() const {
@@ -49,15 +71,14 @@ unsigned FootprintCuller::threads() const {
 }
 
 void FootprintCuller::listByTree(const GridCoordinates& grid, Result& result) {
-  prepare();
-  walk_.list(*oh_, tree_, grid, options_.switches.refine, threads(), result);
+  walk_.list(*oh_, prepare(), grid, options_.switches.refine, threads(), result);
 }
 
 void FootprintCuller::updateTable(const GridCoordinates& grid) {
-  prepare();
-  if (!hasTable_ || !table_.fits(tree_, grid)) table_.reset(tree_, grid);
+  BoxTree& tree = prepare();
+  if (!hasTable_ || !table_.fits(tree, grid)) table_.reset(tree, grid);
   hasTable_ = true;
-  table_.update(*oh_, tree_, grid, options_.switches.refine, options_.switches.coherent, threads());
+  table_.update(*oh_, tree, grid, options_.switches.refine, options_.switches.coherent, threads());
 }
 
 void FootprintCuller::listByTable(const GridCoordinates& grid, Result& result) {

@@ -195,15 +195,19 @@ TEST(WallShapes, stereoEyesAreApartAndShareTheScreen) {
 }
 
 TEST(WallShapes, groupsAreGridsAndOneOfAllElse) {
-  EXPECT_EQ(frustumGroups(shipped("wall-4x4.json")).size(), 1u);
-  EXPECT_EQ(frustumGroups(shipped("wall-4x4.json"))[0].columns, 4);
-  EXPECT_TRUE(frustumGroups(shipped("wall-4x4.json"))[0].touch);
-  EXPECT_FALSE(frustumGroups(shipped("wall-bezels-4x3.json"))[0].touch);
-  const auto cave = frustumGroups(shipped("wall-cave-4.json"));
+  EXPECT_EQ(frustumGroups(shipped("wall-4x4.json"), Grouping::Hierarchies).size(), 1u);
+  EXPECT_EQ(frustumGroups(shipped("wall-4x4.json"), Grouping::Hierarchies)[0].columns, 4);
+  EXPECT_TRUE(frustumGroups(shipped("wall-4x4.json"), Grouping::Hierarchies)[0].touch);
+  EXPECT_FALSE(frustumGroups(shipped("wall-bezels-4x3.json"), Grouping::Hierarchies)[0].touch);
+  const auto cave = frustumGroups(shipped("wall-cave-4.json"), Grouping::Hierarchies);
   ASSERT_EQ(cave.size(), 1u);
   EXPECT_EQ(cave[0].columns, 0);
   EXPECT_EQ(cave[0].tiles.size(), 4u);
-  EXPECT_EQ(frustumGroups(shipped("wall-portrait-4x1.json"))[0].columns, 0);  // one is missing
+  EXPECT_EQ(frustumGroups(shipped("wall-portrait-4x1.json"), Grouping::Hierarchies)[0].columns,
+            0);  // one is missing
+  EXPECT_EQ(frustumGroups(shipped("wall-portrait-4x1.json"), Grouping::Grids).size(), 3u);
+  EXPECT_EQ(frustumGroups(shipped("wall-curved-6x2.json"), Grouping::Grids).size(), 6u);
+  EXPECT_EQ(frustumGroups(shipped("wall-bezels-4x3.json"), Grouping::Grids).size(), 1u);
 }
 
 TEST(WallShapes, theCaveUnfoldsIntoACross) {
@@ -308,7 +312,8 @@ TEST(WallErrors, namesWhatIsWrongOfGrids) {
   expectError(grid(R"("overlap_mm": 5)"), 3, "without the size of a tile", "tile_mm");
   expectError(grid(R"("overlap_px": 5, "overlap_mm": 5)"), 3, "twice", "keep one");
   expectError(grid(R"("overlap_px": 5, "bezel_mm": 5)"), 3, "bezels and overlap", "projectors");
-  expectError(grid(R"("overlap_px": 40)"), 2, "blend ramps", "");
+  expectError(R"({"grid": {"columns": 3, "rows": 1, "tile_px": [64, 48], "overlap_px": 40}})", 1,
+              "blend ramps", "");
   expectError(grid(R"("rotation_deg": 45)"), 3, "cannot be turned by 45", "one by one");
   expectError(grid(R"("missing": ["r0c2"])"), 3, "no tile \"r0c2\"", "r0c0 to r0c1");
   expectError(grid(R"("missing": ["r0c0", "r0c1"])"), 2, "no tile left", "at least one");

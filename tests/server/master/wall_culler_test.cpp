@@ -26,7 +26,7 @@ std::vector<fs::path> shippedWalls() {
   return files;
 }
 
-/// What each tile must show: in stereo what either eye sees.
+/// What each tile must show: in stereo what either eye sees, or its own.
 std::vector<std::vector<bool>> mustSee(const WallView& view, std::span<const Triangle> leaves) {
   if (view.left.empty()) return exactVisibility(view.tiles, leaves);
   auto meets = exactVisibility(view.left, leaves);
@@ -207,7 +207,7 @@ TEST(WallCuller, randomWallsKeepTheContract) {
     const std::string text = randomWall(geometry);
     const Result<Wall> wall = parseWall(text, "random wall " + std::to_string(i));
     ASSERT_TRUE(wall.ok()) << wall.error().text() << "\n" << text;
-    const auto groups = frustumGroups(*wall);
+    const auto groups = frustumGroups(*wall, Grouping::Hierarchies);
     grids += groups[0].columns > 0 ? 1 : 0;
     severalGroups += groups.size() > 1 ? 1 : 0;
     expectContract(*wall, geometry, 2, 24);
@@ -269,7 +269,7 @@ TEST(WallCuller, aStereoPairTogetherListsWhatTwoEyesSee) {
                 "stereo");
   ASSERT_TRUE(wall.ok()) << wall.error().text();
   Geometry geometry(4);
-  std::uint64_t together = 0, apart = 0;
+  std::uint64_t together = 0, apart = 0, byFootprints = 0;
   for (int round = 0; round < 10; ++round) {
     CameraPose pose;
     pose.eye = geometry.vector(2);
@@ -281,6 +281,10 @@ TEST(WallCuller, aStereoPairTogetherListsWhatTwoEyesSee) {
     WallCuller culler(scene.hierarchy, *wall, {.algorithm = cull::Algorithm::Adaptive});
     culler.update(view);
     together += culler.cull().pairs;
+    WallCuller footprints(scene.hierarchy, *wall, {.algorithm = cull::Algorithm::Auto});
+    footprints.update(view);
+    byFootprints += footprints.cull().pairs;
+    EXPECT_EQ(footprints.picked(), cull::Algorithm::Footprint);
     const auto listsOf = [&](const std::vector<Frustum>& tiles) {
       GeneralFrusta frusta;
       frusta.update(tiles);
@@ -295,6 +299,9 @@ TEST(WallCuller, aStereoPairTogetherListsWhatTwoEyesSee) {
     }
   }
   EXPECT_GE(together, apart);
+  // Outlines spare it a few more.
+  EXPECT_LE(byFootprints, apart + apart / 100);
+  EXPECT_GE(byFootprints, apart - apart / 10);
   // The planes are widened by a degree or so at each side of a tile of 17.
   EXPECT_LT(static_cast<double>(together), 1.35 * static_cast<double>(apart))
       << static_cast<double>(together) / static_cast<double>(apart);
@@ -307,10 +314,13 @@ TEST(WallCuller, tilesForTwoEyesShareOneFrustum) {
       "observer": {"eye_m": [0, 0, 1], "stereo": {"mode": "tiles"}}})",
                                       "pair");
   ASSERT_TRUE(wall.ok()) << wall.error().text();
-  const auto groups = frustumGroups(*wall);
+  const auto groups = frustumGroups(*wall, Grouping::Hierarchies);
   ASSERT_EQ(groups.size(), 1u);
   EXPECT_EQ(groups[0].tiles.size(), 1u);
   ASSERT_EQ(groups[0].twins[0].size(), 1u);
+  const WallView view = viewOf(*wall, {.eye = {1, 2, 3}, .target = {1, 2, 0}}, Vec3::Zero(), 5);
+  EXPECT_EQ(view.left[0].eye, view.right[0].eye);
+  EXPECT_NE(view.left[0].eye, view.left[1].eye);
   Geometry geometry(2);
   expectContract(*wall, geometry, 4, 40);
 }
