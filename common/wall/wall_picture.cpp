@@ -278,7 +278,8 @@ WallPicture wallPicture(const Wall& wall, double mostPixels) {
     const Vec2 origin(tile.eye == TileEye::Right ? -secondMm : 0, 0);
     picture.tiles.push_back(placeOf(tile, picture.screens[tile.screen], picture, origin));
     const auto& blend = tile.output.blendPx;
-    if (std::any_of(blend.begin(), blend.end(), [](double px) { return px > 0; }))
+    if (!tile.output.warpFile.empty() ||
+        std::any_of(blend.begin(), blend.end(), [](double px) { return px > 0; }))
       picture.gamma = tile.output.gamma;
   }
   return picture;

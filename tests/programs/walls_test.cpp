@@ -12,6 +12,7 @@
 #include "common/image/picture.h"
 #include "common/wall/wall_file.h"
 #include "common/wall/wall_picture.h"
+#include "tests/support/mpcdi_archive.h"
 #include "tests/support/process.h"
 
 namespace tessera::test {
@@ -270,6 +271,53 @@ TEST_F(Walls, cullingIsAuditedOnEveryShippedWall) {
     EXPECT_EQ(outcome.status, 0) << name << outcome.err;
     EXPECT_NE(outcome.out.find(" 0 dropped"), std::string::npos) << name << outcome.out;
   }
+}
+
+/// A projector whose archive mirrors the picture and masks its left half.
+TEST_F(Walls, warpsAndMasksOfMpcdiArriveOnTheTile) {
+  const auto mirrored = [](int column, int row) {
+    return Sample{1 - (static_cast<float>(column) + 0.5F) / 200, 1 - (static_cast<float>(row) + 0.5F) / 100,
+                  0};
+  };
+  const auto rightHalf = [](int x, int, int) { return static_cast<std::uint16_t>(x < 100 ? 0 : 65535); };
+  writeArchive(folder_ / "p.mpcdi", {{"mpcdi.xml", R"(<?xml version="1.0" encoding="UTF-8"?>
+<MPCDI profile="2d" geometry="1" level="1" date="2026-01-01 00:00:00" version="1.0">
+  <display><buffer id="front" Xresolution="200" Yresolution="100">
+    <region id="p" Xresolution="200" Yresolution="100" x="0" y="0" xsize="1" ysize="1"/>
+  </buffer></display>
+  <files><fileset region="p">
+    <geometryWarpFile><path>p.pfm</path><interpolation>linear</interpolation></geometryWarpFile>
+    <alphaMap><path>p.png</path><componentDepth>1</componentDepth><bitDepth>16</bitDepth>
+      <gammaEmbedded>1</gammaEmbedded></alphaMap>
+  </fileset></files>
+</MPCDI>)"},
+                                     {"p.pfm", pfm(200, 100, mirrored)},
+                                     {"p.png", png(200, 100, 1, 16, false, rightHalf)}});
+  const std::string wall = folder_ / "imported.json";
+  const Outcome imported = run({program("tessera"), "wall", "import", folder_ / "p.mpcdi", "--out", wall});
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  const std::string scene = barScene();
+  const Picture warped = draw(wall, scene, {"--camera", camera()});
+  const Picture plain =
+      draw(folder_.write("plain.json", R"({"grid": {"columns": 1, "rows": 1, "tile_px": [200, 100]}})"),
+           scene, {"--camera", camera()});
+  ASSERT_EQ(warped.widthPx, 200);
+  ASSERT_EQ(warped.heightPx, 100);
+  std::size_t scenePixels = 0;
+  int largest = 0;
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      const Rgb a = at(warped, x, y), b = at(plain, 199 - x, y);
+      if (x < 100) {
+        ASSERT_TRUE(isBlack(a)) << x << ", " << y;
+        continue;
+      }
+      scenePixels += isBackground(b) ? 0 : 1;
+      largest = std::max({largest, std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
+    }
+  }
+  EXPECT_GT(scenePixels, 500U);
+  EXPECT_LE(largest, 1);
 }
 
 TEST_F(Walls, newWallsAreMadeDrawnAndPrinted) {

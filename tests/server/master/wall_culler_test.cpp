@@ -216,6 +216,47 @@ TEST(WallCuller, randomWallsKeepTheContract) {
   EXPECT_GT(severalGroups, 5);
 }
 
+/// Invariants of every shipped wall in exact arithmetic: what a tile sees its screen sees, and where the
+/// tiles cover their screen one of them sees what the screen does.
+TEST(WallCuller, tilesTogetherSeeWhatTheirScreensSee) {
+  Geometry geometry(15);
+  int covered = 0;
+  for (const fs::path& file : shippedWalls()) {
+    const Result<Wall> wall = readWallFile(file);
+    ASSERT_TRUE(wall.ok());
+    if (wall->tiles.size() > 64) continue;
+    CameraPose pose = randomPose(geometry, 3);
+    const WallView view = viewOf(*wall, pose, Vec3::Zero(), 6);
+    const TriangleScene scene = sceneFor(view, geometry, 3, 150);
+    const auto byTile = exactVisibility(view.tiles, scene.leaves);
+    const auto byScreen = exactVisibility(view.screens, scene.leaves);
+    const Wall untiled = wall->untiled();
+    WallCuller whole(scene.hierarchy, untiled, {.algorithm = cull::Algorithm::Auto});
+    whole.update(viewOf(untiled, pose, Vec3::Zero(), 6));
+    const std::vector<VisibleList> listed = whole.cull().lists;
+    for (std::uint32_t s = 0; s < wall->screens.size(); ++s) {
+      const Screen& screen = wall->screens[s];
+      const bool covers = screen.columns > 0 && screen.latticeWidth <= 1 && screen.latticeHeight <= 1 &&
+                          std::abs(wall->tiles[screen.firstTile].corners[0].x() + 1) < 1e-12;
+      covered += covers ? 1 : 0;
+      for (std::size_t leaf = 0; leaf < scene.leaves.size(); ++leaf) {
+        bool some = false;
+        for (std::uint32_t t = screen.firstTile; t < screen.firstTile + screen.tileCount; ++t)
+          some = some || byTile[t][leaf];
+        const auto id = static_cast<std::uint32_t>(leaf);
+        // Tiles of rounded corners may see an ulp beyond their screen, but no more than the untiled list has.
+        if (some && view.left.empty()) {
+          ASSERT_TRUE(containsLeaf(listed[s], id)) << file << " leaf " << leaf;
+        }
+        if (covers && byScreen[s][leaf]) {
+          ASSERT_TRUE(some) << file << " screen " << screen.name << " leaf " << leaf;
+        }
+      }
+    }
+  }
+  EXPECT_GT(covered, 10);
+}
+
 TEST(WallCuller, gridsWithGapsAndOverlapsAreCulledByFootprints) {
   for (const char* gap : {R"("bezel_mm": 3)", R"("overlap_px": 9)", R"("bezel_mm": {"left": 1, "top": 6})"}) {
     const Result<Wall> wall = parseWall(
