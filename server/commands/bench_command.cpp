@@ -160,6 +160,13 @@ Status benchCull(const BenchCullFlags& flags) {
   if (!wall) return wall.error();
   const auto camera = flags.files.readCamera();
   if (!camera) return camera.error();
+  const bool isFlat = wall->screens.size() == 1 &&
+                      (!wall->observer || wall->observer->stereo == Stereo::None) &&
+                      std::none_of(wall->tiles.begin(), wall->tiles.end(),
+                                   [](const Tile& tile) { return tile.freeTurnRad != 0; });
+  if (!isFlat)
+    return inputError(flags.files.wall, "this wall is not one screen of upright tiles for one eye",
+                      "tessera bench walls compares cullers on walls of every shape");
   if (!flags.exponents.empty()) return benchExponents(flags, *wall, *camera);
   const auto scene = flags.files.readScene();
   if (!scene) return scene.error();

@@ -6,6 +6,7 @@
 #include "common/wall/wall_writer.h"
 #include "server/commands/commands.h"
 #include "server/commands/inputs.h"
+#include "server/master/tile_setup.h"
 
 namespace tessera {
 
@@ -24,7 +25,10 @@ Status check(const CheckFlags& flags) {
     std::fputs(writeWall(*wall).c_str(), stdout);
     return Done{};
   }
+  const auto setups = TileSetups::make(*wall);
+  if (!setups) return setups.error();
   std::printf("wall:   %s\n", summaryOf(*wall).c_str());
+  if (setups->warpErrorPx() > 0) std::printf("warps:  exact to %.3f pixels\n", setups->warpErrorPx());
   if (!flags.svg.empty()) {
     if (Status status = writeFileAtomically(flags.svg, wallSvg(*wall)); !status) return status;
     std::printf("drawn:  %s\n", flags.svg.c_str());

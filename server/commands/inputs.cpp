@@ -1,6 +1,7 @@
 #include "server/commands/inputs.h"
 
 #include <array>
+#include <filesystem>
 #include <numbers>
 
 #include <spdlog/spdlog.h>
@@ -94,6 +95,13 @@ Status InputFiles::override(Wall& read) const {
 
 Result<Wall> InputFiles::readWall() const {
   auto read = readWallFile(wall);
+  if (!read) {
+    // The walls of other systems are no JSON, or not ours.
+    const std::string extension = std::filesystem::path(wall).extension().string();
+    if (extension != ".eqc" && extension != ".xml" && extension != ".mpcdi") return read;
+    return inputError(wall, "this is another system's wall",
+                      "tessera wall import " + wall + " --out wall.json");
+  }
   if (read) {
     if (Status status = override(*read); !status) return status.error();
     for (const std::string& warning : read->warnings)

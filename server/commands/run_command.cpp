@@ -243,6 +243,7 @@ Status runWall(const RunFlags& flags) {
     if (signals.wasStopped()) return runtimeError("", "stopped before the first frame");
     return report.error();
   }
+  report->warpErrorPx = setups->warpErrorPx();
   nameMode(*report, flags.files, flags.cull);
   printSummary(*report);
   return writeReport(flags, *report);

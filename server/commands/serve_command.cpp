@@ -59,6 +59,7 @@ Status serve(const ServeFlags& flags) {
   (*live)->hookInto(master, hooks);
   auto report = master.run(hooks, true);
   if (!report) return report.error();
+  report->warpErrorPx = setups->warpErrorPx();
   nameMode(*report, flags.files, flags.cull);
   if (!flags.json.empty()) return writeFileAtomically(flags.json, report->json());
   return Done{};

@@ -87,7 +87,7 @@ std::string RunReport::json() const {
         {"mtpl", maxTrianglesPerLeaf},
         {"switches", switches},
         {"measured_error_leaves", 0},
-        {"measured_error_px", 0}}},
+        {"measured_error_px", warpErrorPx}}},
       {"frames", frames},
       {"seconds", seconds},
       {"frames_per_second", seconds > 0 && frames > 1 ? static_cast<double>(frames - 1) / seconds : 0.0},

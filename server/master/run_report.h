@@ -23,6 +23,7 @@ struct RunReport {
   std::string hierarchy = "graph";
   std::uint64_t maxTrianglesPerLeaf = 0;  ///< 0: leaves as in the file
   std::vector<std::string> switches;      ///< of the culler, that are not at their defaults
+  double warpErrorPx = 0;                 ///< TileSetups::warpErrorPx
   std::uint64_t leaves = 0, triangles = 0, assets = 0, assetBytes = 0;
   std::uint64_t frames = 0;
   double seconds = 0;  ///< from the first frame to the last

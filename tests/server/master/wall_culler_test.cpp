@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "common/cull/footprint/kernels.h"
 #include "common/wall/wall_file.h"
 #include "tests/support/cull_scene.h"
 
@@ -274,6 +275,78 @@ TEST(WallCuller, gridsWithGapsAndOverlapsAreCulledByFootprints) {
     const cull::Result& result = culler.cull();
     EXPECT_EQ(culler.picked(), cull::Algorithm::Footprint) << gap;
     EXPECT_EQ(firstDrop(result, exactVisibility(view.tiles, scene.leaves)), "") << gap;
+  }
+}
+
+/// One list, whether by the tree, by the table with what it remembers, or by any instruction set.
+TEST(WallCuller, gapsAndOverlapsAreTheSameForTreeTableAndInstructionSets) {
+  for (const char* gap : {R"("bezel_mm": [3, 5])", R"("overlap_px": [12, 7])"}) {
+    const Result<Wall> wall = parseWall(
+        std::string(R"({"grid": {"columns": 6, "rows": 5, "tile_px": [64, 48], )") + gap + "}}", gap);
+    ASSERT_TRUE(wall.ok()) << wall.error().text();
+    Geometry geometry(21);
+    CameraPose pose = randomPose(geometry, 3);
+    const TriangleScene scene = sceneFor(viewOf(*wall, pose, Vec3::Zero(), 6), geometry, 3, 400);
+    using cull::Algorithm, cull::Reuse;
+    WallCuller remembering(scene.hierarchy, *wall,
+                           {.algorithm = Algorithm::Table, .switches = {.coherent = Reuse::Always}});
+    for (int frame = 0; frame < 12; ++frame) {
+      pose.eye += geometry.vector(0.002);
+      pose.target += geometry.vector(0.002);
+      const WallView view = viewOf(*wall, pose, Vec3::Zero(), 6);
+      const auto meets = exactVisibility(view.tiles, scene.leaves);
+      remembering.update(view);
+      const std::vector<VisibleList> expected = remembering.cull().lists;
+      EXPECT_EQ(remembering.picked(), Algorithm::Table);
+      for (const std::string_view name : cull::instructionSets()) {
+        ASSERT_TRUE(cull::chooseInstructionSet(name));
+        WallCuller tree(scene.hierarchy, *wall, {.algorithm = Algorithm::Footprint});
+        tree.update(view);
+        const cull::Result& result = tree.cull();
+        ASSERT_EQ(firstDrop(result, meets), "") << gap << ' ' << name;
+        ASSERT_EQ(result.lists, expected) << gap << ' ' << name << " frame " << frame;
+      }
+      ASSERT_TRUE(cull::chooseInstructionSet(""));
+    }
+  }
+}
+
+/// Scenes from micrometres to gigametres, far from the origin, heads next to a screen: nothing is dropped.
+TEST(WallCuller, extremesKeepTheContract) {
+  Geometry geometry(33);
+  for (const char* name : {"wall-cave-4.json", "wall-curved-6x2.json", "wall-stereo-2x1.json"}) {
+    Result<Wall> wall = readWallFile(fs::path(TESSERA_SOURCE_DIR) / "configs" / name);
+    ASSERT_TRUE(wall.ok());
+    for (const double scale : {1e-6, 1.0, 1e6}) {
+      wall->observer->scale = scale;
+      for (const double offset : {0.0, 1e7 * scale}) {
+        for (const bool isAtAScreen : {false, true}) {
+          CameraPose pose;
+          pose.eye = offset * Vec3(1, -0.3, 0.7);
+          pose.target = pose.eye + std::max(scale, 1e-3 * offset) * Vec3(0.3, -0.1, -1);
+          pose.hasHead = isAtAScreen;
+          const Screen& screen = wall->screens.front();
+          pose.headM = screen.centerM + 0.05 * screen.normal();
+          if (screenNotBefore(*wall, pose.headM)) continue;
+          const WallView view = viewOf(*wall, pose, pose.eye, 100 * scale);
+          TriangleScene scene;
+          for (int i = 0; i < 60; ++i) {
+            scene.leaves.push_back(geometry.hard(view.left.empty() ? view.tiles
+                                                 : i % 2 != 0      ? view.left
+                                                                   : view.right));
+            scene.leaves.push_back(geometry.any(pose.eye, 50 * scale));
+          }
+          scene.build(geometry.engine());
+          const auto meets = mustSee(view, scene.leaves);
+          for (const cull::Options& options : someOptions()) {
+            WallCuller culler(scene.hierarchy, *wall, options);
+            culler.update(view);
+            ASSERT_EQ(firstDrop(culler.cull(), meets), "") << name << ' ' << cull::nameOf(options.algorithm)
+                                                           << " scale " << scale << " offset " << offset;
+          }
+        }
+      }
+    }
   }
 }
 
