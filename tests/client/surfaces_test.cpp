@@ -339,6 +339,46 @@ TEST_F(Windows, EscapeEndsTheWholeWallInOrder) {
     EXPECT_GT(tile.at("peak_resident_bytes"), 1'000'000) << name << " did not say Bye";
 }
 
+/// Without --frames a wall of several shapes stands on the desktop as it hangs, and its operator steers it.
+TEST_F(Windows, AnOperatorSteersAWallInItsShape) {
+  const std::string scene = plant();
+  Process wall({program("tessera"), "run", "--wall", config("wall-mixed.json"), "--scene", scene, "--surface",
+                "window", "--window", "0,0,782x240", "--fps", "30", "--json", folder_ / "report.json"},
+               here());
+  const auto isDark = [&](int x, int y) {
+    const Picture pixel = shown(x, y, 1, 1);
+    return pixel.rgb[0] + pixel.rgb[1] + pixel.rgb[2] == 0;
+  };
+  // In the large, the upper, the lower and the portrait tile.
+  const std::pair<int, int> inTiles[] = {{100, 20}, {500, 20}, {500, 220}, {700, 20}, {700, 230}};
+  for (const auto& [x, y] : inTiles)
+    ASSERT_TRUE(eventually(seconds(60), [&, x = x, y = y] { return !isDark(x, y); }))
+        << x << ", " << y << wall.err();
+  // In the bezels between them.
+  EXPECT_TRUE(isDark(429, 120));
+  EXPECT_TRUE(isDark(530, 119));
+  EXPECT_TRUE(isDark(643, 120));
+  if (!display_.movePointer(200, 120)) GTEST_SKIP() << "libXtst, which plays the person, is not installed";
+  // Nobody does anything: the picture stands still.
+  const Picture before = shown(0, 0, 420, 240);
+  std::this_thread::sleep_for(milliseconds(500));
+  EXPECT_EQ(shown(0, 0, 420, 240).rgb, before.rgb);
+  for (int i = 0; i < 4; ++i)
+    ASSERT_TRUE(display_.clickButton(4));  // the wheel: nearer
+  EXPECT_TRUE(eventually(seconds(10), [&] { return shown(0, 0, 420, 240).rgb != before.rgb; }));
+  const std::size_t sceneColours = colours(shown(650, 0, 130, 240));
+  constexpr unsigned long kF2Keysym = 0xffbf;
+  ASSERT_TRUE(display_.pressKey(kF2Keysym));  // every tile says its name, on a colour of its own
+  EXPECT_TRUE(eventually(seconds(10), [&] {
+    const Picture large = shown(2, 2, 1, 200), portrait = shown(650, 100, 1, 1);
+    return large.rgb[0] > large.rgb[2] && portrait.rgb[2] > portrait.rgb[0];
+  })) << sceneColours;
+  ASSERT_TRUE(display_.pressKey(kEscapeKeysym));
+  const Outcome outcome = wall.wait(seconds(10));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_GT(report().at("frames"), 10);
+}
+
 TEST_F(Windows, WhatAPersonDoesReachesTheMaster) {
   if (!display_.movePointer(700, 500)) GTEST_SKIP() << "libXtst, which plays the person, is not installed";
   const auto scene = loadScene(folder_.write("scene.obj", smallScene()));
