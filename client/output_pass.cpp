@@ -157,10 +157,11 @@ bool OutputPass::isNeeded(const proto::TileSetup& setup) {
          setup.blendPx != plain.blendPx;
 }
 
-OutputPass::OutputPass(const osg::GLExtensions& gl, const proto::TileSetup& setup, int widthPx, int heightPx)
+OutputPass::OutputPass(const osg::GLExtensions& gl, const proto::TileSetup& setup, PixelSize picture,
+                       PixelSize drawn)
     : gl_(gl),
-      widthPx_(widthPx),
-      heightPx_(heightPx),
+      picturePx_(picture),
+      drawnPx_(drawn),
       gain_(setup.gainRgb),
       black_(setup.blackRgb),
       blendPx_(setup.blendPx),
@@ -172,23 +173,24 @@ OutputPass::~OutputPass() {
 }
 
 Result<std::unique_ptr<OutputPass>> OutputPass::make(const osg::GLExtensions& gl,
-                                                     const proto::TileSetup& setup, int widthPx,
-                                                     int heightPx) {
+                                                     const proto::TileSetup& setup, PixelSize picture,
+                                                     PixelSize drawn) {
   const GlScope scope(gl);
   const int maxPx = GlTexture::maxSidePx();
   const int maskPx =
       hasMasks(setup) ? static_cast<int>(std::max(setup.warp->maskWidthPx, setup.warp->maskHeightPx)) : 0;
-  if (std::max({widthPx, heightPx, maskPx}) > maxPx) {
+  if (std::max({drawn.widthPx, drawn.heightPx, maskPx}) > maxPx) {
     return runtimeError("OpenGL",
                         "has no textures larger than " + std::to_string(maxPx) +
                             " pixels, which blending, gain and warp of this tile would take",
                         "cut the wall into smaller tiles, or the masks");
   }
-  std::unique_ptr<OutputPass> pass(new OutputPass(gl, setup, widthPx, heightPx));
+  std::unique_ptr<OutputPass> pass(new OutputPass(gl, setup, picture, drawn));
   pass->picture_.bind();
   // As the framebuffer has them: without the fourth channel OSMesa converts every pixel, at three times the
   // cost.
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, widthPx, heightPx, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, drawn.widthPx, drawn.heightPx, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               nullptr);
   if (hasMasks(setup)) {
     if (Status status = pass->makeMasks(*setup.warp); !status) return status.error();
   }
@@ -235,8 +237,8 @@ void OutputPass::makeMesh(const std::optional<proto::Warp>& warp) {
 void OutputPass::setUniforms(const PixelArea& area) const {
   const auto real = [](int number) { return static_cast<float>(number); };
   program_->set("picture", 0);
-  program_->set("texturePx", {real(widthPx_), real(heightPx_)});
-  program_->set("sizePx", {real(widthPx_), real(heightPx_)});
+  program_->set("texturePx", {real(drawnPx_.widthPx), real(drawnPx_.heightPx)});
+  program_->set("sizePx", {real(picturePx_.widthPx), real(picturePx_.heightPx)});
   program_->set("area", {real(area.xPx), real(area.yPx), real(area.widthPx), real(area.heightPx)});
   program_->set("blendPx", {blendPx_[0], blendPx_[1], blendPx_[2], blendPx_[3]});
   program_->set("gain", {gain_[0], gain_[1], gain_[2]});

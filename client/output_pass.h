@@ -9,6 +9,7 @@
 #include "client/gl_program.h"
 #include "client/gl_scope.h"
 #include "client/gl_texture.h"
+#include "common/base/pixel_place.h"
 #include "common/base/result.h"
 #include "proto/messages.h"
 
@@ -33,11 +34,12 @@ class OutputPass {
   /// False: the picture is to be shown as it was drawn, and no pass must be made.
   [[nodiscard]] static bool isNeeded(const proto::TileSetup& setup);
 
-  /// For pictures of the given size, in the context that is current and stays so. Copies what it needs of
-  /// `setup`; keeps `gl`. Fails where OpenGL has no shaders or no textures of that size.
+  /// For pictures of the given size that are drawn in another, in the context that is current and stays so.
+  /// Copies what it needs of `setup`; keeps `gl`. Fails where OpenGL has no shaders or no textures of that
+  /// size.
   [[nodiscard]] static Result<std::unique_ptr<OutputPass>> make(const osg::GLExtensions& gl,
-                                                                const proto::TileSetup& setup, int widthPx,
-                                                                int heightPx);
+                                                                const proto::TileSetup& setup,
+                                                                PixelSize picture, PixelSize drawn);
   ~OutputPass();
   OutputPass(const OutputPass&) = delete;
   OutputPass& operator=(const OutputPass&) = delete;
@@ -47,14 +49,14 @@ class OutputPass {
   void apply(const PixelArea& area) const;
 
  private:
-  OutputPass(const osg::GLExtensions& gl, const proto::TileSetup& setup, int widthPx, int heightPx);
+  OutputPass(const osg::GLExtensions& gl, const proto::TileSetup& setup, PixelSize picture, PixelSize drawn);
   Status makeProgram();
   Status makeMasks(const proto::Warp& warp);
   void makeMesh(const std::optional<proto::Warp>& warp);
   void setUniforms(const PixelArea& area) const;
 
   const osg::GLExtensions& gl_;
-  const int widthPx_, heightPx_;
+  const PixelSize picturePx_, drawnPx_;
   std::array<float, 3> gain_, black_;
   std::array<float, 4> blendPx_;
   float gamma_, maskGamma_ = 1;

@@ -35,8 +35,8 @@ PixelArea upperLeftOf(const PixelArea& area, const TilePlace& whole, int widthPx
 
 }  // namespace
 
-TileOutput::TileOutput(const proto::Welcome& welcome, osg::ref_ptr<osg::GLExtensions> gl)
-    : gl_(std::move(gl)), place_(placeOf(welcome)) {}
+TileOutput::TileOutput(const proto::Welcome& welcome, PixelSize drawn, osg::ref_ptr<osg::GLExtensions> gl)
+    : gl_(std::move(gl)), drawn_(drawn), place_(placeOf(welcome)) {}
 
 Status TileOutput::configure(const proto::TileSetup& setup) {
   place_.screenName = setup.screenName;
@@ -46,7 +46,7 @@ Status TileOutput::configure(const proto::TileSetup& setup) {
   pattern_ = proto::Pattern::None;
   pass_.reset();
   if (!OutputPass::isNeeded(setup)) return Done{};
-  auto pass = OutputPass::make(*gl_, setup, place_.widthPx, place_.heightPx);
+  auto pass = OutputPass::make(*gl_, setup, {place_.widthPx, place_.heightPx}, drawn_);
   if (!pass) return pass.error();
   pass_ = std::move(*pass);
   return Done{};

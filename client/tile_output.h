@@ -21,7 +21,7 @@ namespace tessera {
 class TileOutput {
  public:
   /// A plain picture, and, for the patterns, a screen that is the wall with pixels of a millimetre.
-  TileOutput(const proto::Welcome& welcome, osg::ref_ptr<osg::GLExtensions> gl);
+  TileOutput(const proto::Welcome& welcome, PixelSize drawn, osg::ref_ptr<osg::GLExtensions> gl);
 
   /// Where the tile hangs and what its display needs. Keeps nothing that `setup` refers to.
   [[nodiscard]] Status configure(const proto::TileSetup& setup);
@@ -39,6 +39,7 @@ class TileOutput {
   [[nodiscard]] Status make(std::unique_ptr<GlPicture>& picture) const;
 
   osg::ref_ptr<osg::GLExtensions> gl_;
+  const PixelSize drawn_;
   TilePlace place_;
   std::unique_ptr<OutputPass> pass_;
   std::unique_ptr<GlPicture> patternPicture_, overlayPicture_;

@@ -149,7 +149,7 @@ TileView::TileView(const proto::Welcome& welcome, PixelSize drawn)
   viewer_.setSceneData(leaves_);
   viewer_.realize();
   const unsigned int context = camera.getGraphicsContext()->getState()->getContextID();
-  output_.emplace(welcome, osg::GLExtensions::Get(context, true));
+  output_.emplace(welcome, drawn_, osg::GLExtensions::Get(context, true));
 }
 
 TileView::~TileView() = default;

@@ -94,8 +94,10 @@ inline proto::Welcome welcomeOf(int widthPx, int heightPx) {
 class OsMesaTile {
  public:
   explicit OsMesaTile(const proto::Welcome& welcome)
-      : welcome_(welcome),
-        surface_(surfaces_->make({welcome.tileName, {welcome.widthPx, welcome.heightPx}}).value()) {
+      : OsMesaTile(welcome, PixelSize{welcome.widthPx, welcome.heightPx}) {}
+  /// Drawn in another size, as by a window.
+  OsMesaTile(const proto::Welcome& welcome, PixelSize drawn)
+      : drawn_(drawn), surface_(surfaces_->make({welcome.tileName, drawn}).value()) {
     const Status status = surface_->makeCurrent();
     EXPECT_TRUE(status.ok()) << (status ? "" : status.error().text());
     view_ = std::make_unique<TileView>(welcome, surface_->drawnSize());
@@ -125,13 +127,13 @@ class OsMesaTile {
     EXPECT_TRUE(status.ok()) << (status ? "" : status.error().text());
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     surface_->finish();
-    Picture picture(welcome_.widthPx, welcome_.heightPx);
+    Picture picture(drawn_.widthPx, drawn_.heightPx);
     picture.rgb = surface_->readPicture();
     return picture;
   }
 
  private:
-  const proto::Welcome welcome_;
+  const PixelSize drawn_;
   const std::unique_ptr<SurfaceMaker> surfaces_ = makeOffscreenSurfaces();
   std::unique_ptr<Surface> surface_;
   TileCache cache_{true};

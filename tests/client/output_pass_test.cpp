@@ -122,6 +122,26 @@ TEST(OutputPass, EveryFrameGivesTheSamePicture) {
   EXPECT_EQ(tile.draw(testFrame()).rgb, before.rgb);
 }
 
+/// As on a monitor of more, or fewer, pixels than the tile: ramps keep their share of the picture.
+TEST(OutputPass, PicturesDrawnInAnotherSizeAreCorrectedWhole) {
+  for (const PixelSize drawn : {PixelSize{128, 96}, PixelSize{32, 24}}) {
+    proto::TileSetup setup;
+    setup.blendPx = {16, 0, 0, 0};  // a quarter of the tile's 64 pixels
+    OsMesaTile plain(welcomeOf(64, 48), drawn), blended(welcomeOf(64, 48), drawn);
+    ASSERT_TRUE(blended.configure(setup).ok());
+    const Picture expected = plain.draw(testFrame()), picture = blended.draw(testFrame());
+    const int rampPx = drawn.widthPx / 4;
+    for (int y = 0; y < drawn.heightPx; ++y) {
+      const auto at = [&](const Picture& of, int x) {
+        return of.rgb[static_cast<std::size_t>((y * drawn.widthPx + x) * 3 + 2)];
+      };
+      ASSERT_LT(at(picture, 0), at(expected, 0)) << drawn.widthPx << " row " << y;
+      for (int x = rampPx; x < drawn.widthPx; ++x)
+        ASSERT_EQ(at(picture, x), at(expected, x)) << drawn.widthPx << ": " << x << ", " << y;
+    }
+  }
+}
+
 TEST(OutputPass, GainIsAFactorOfLight) {
   const Picture before = plain();
   for (const float gamma : {1.0F, 2.2F}) {

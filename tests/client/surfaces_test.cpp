@@ -10,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <signal.h>
@@ -125,7 +126,10 @@ TEST_F(Surfaces, EglDrawsTheSamePicturesWithoutADisplay) {
   const Outcome a = run(runArguments(scene, "offscreen", 3, {"--out", offscreen}), seconds(100), noDisplay_);
   ASSERT_EQ(a.status, 0) << a.err;
   const Outcome b = run(runArguments(scene, "egl", 3, {"--out", egl}), seconds(100), noDisplay_);
-  if (b.status != 0 && b.err.find("no OpenGL can be had") != std::string::npos) GTEST_SKIP() << b.err;
+  // No driver, no picture; but where Mesa's is installed there must be one.
+  const bool hasDriver = ::dlopen("libEGL_mesa.so.0", RTLD_LAZY | RTLD_LOCAL) != nullptr;
+  if (b.status != 0 && !hasDriver && b.err.find("no OpenGL can be had") != std::string::npos)
+    GTEST_SKIP() << b.err;
   ASSERT_EQ(b.status, 0) << b.err;
   expectSamePictures(egl, offscreen, 3);
 }
