@@ -14,6 +14,17 @@ Bounds boundsOf(std::span<const Vec3> points, const Vec3& margin) {
   return bounds;
 }
 
+ObjectHierarchy::ObjectHierarchy(Arrays arrays)
+    : subtreeEnd_(std::move(arrays.subtreeEnd)),
+      leafBegin_(std::move(arrays.leafBegin)),
+      parent_(std::move(arrays.parent)),
+      leafNode_(std::move(arrays.leafNode)),
+      aabbs_(std::move(arrays.aabbs)),
+      obbs_(std::move(arrays.obbs)),
+      spheres_(std::move(arrays.spheres)) {
+  moving_.assign(nodeCount(), 0);
+}
+
 std::uint32_t ObjectHierarchy::depth() const {
   std::vector<std::uint32_t> depths(nodeCount(), 0);
   std::uint32_t deepest = 0;
@@ -53,7 +64,8 @@ std::uint32_t ObjectHierarchyBuilder::addGroup(std::span<const Bounds> leaves) {
       enclosing_.add(leaf);
     append({node + 1, first, open_.back()}, enclosing_.result(BoxFit::Pca));
   }
-  oh_.leafNode_.insert(oh_.leafNode_.end(), leaves.size(), node);
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    oh_.leafNode_.push_back(node);
   return first;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/column.h"
 #include "common/geometry/box.h"
 #include "common/hierarchy/enclosing_bounds.h"
 #include "common/hierarchy/visible_list.h"
@@ -53,16 +54,35 @@ class ObjectHierarchy {
 
   static constexpr std::uint32_t kNoParent = UINT32_MAX;
 
+  /// The arrays of a hierarchy in which nothing has moved, for storing it. All by node but `leafNode`.
+  struct Arrays {
+    Column<std::uint32_t> subtreeEnd, parent;
+    Column<std::uint32_t> leafBegin;  ///< one more than nodes: the last entry is the number of leaves
+    Column<std::uint32_t> leafNode;   ///< by leaf
+    Column<Aabb> aabbs;
+    Column<Obb> obbs;
+    Column<Sphere> spheres;
+  };
+  ObjectHierarchy() = default;
+  /// From arrays of a hierarchy before; the caller answers for their content.
+  explicit ObjectHierarchy(Arrays arrays);
+  /// Calls visit(array) for each, in the order of Arrays.
+  template <class Visit>
+  void visitArrays(Visit visit) const {
+    visit(subtreeEnd_), visit(parent_), visit(leafBegin_), visit(leafNode_);
+    visit(aabbs_), visit(obbs_), visit(spheres_);
+  }
+
  private:
   friend class ObjectHierarchyBuilder;
   friend class BoundsRefit;
-  std::vector<std::uint32_t> subtreeEnd_;
-  std::vector<std::uint32_t> leafBegin_;  ///< one more than nodes: the last entry is the number of leaves
-  std::vector<std::uint32_t> parent_;
-  std::vector<std::uint32_t> leafNode_;
-  std::vector<Aabb> aabbs_;
-  std::vector<Obb> obbs_;
-  std::vector<Sphere> spheres_;
+  Column<std::uint32_t> subtreeEnd_;
+  Column<std::uint32_t> leafBegin_;  ///< one more than nodes: the last entry is the number of leaves
+  Column<std::uint32_t> parent_;
+  Column<std::uint32_t> leafNode_;
+  Column<Aabb> aabbs_;
+  Column<Obb> obbs_;
+  Column<Sphere> spheres_;
   std::vector<std::uint8_t> moving_;
   std::uint64_t revision_ = 0;
   std::vector<std::uint32_t> changedLeaves_;

@@ -4,6 +4,7 @@
 #include <span>
 
 #include <osg/Geometry>
+#include <osg/Material>
 #include <osg/Texture>
 
 #include "common/scene/drawable_geometry.h"
@@ -57,6 +58,39 @@ Vec3 storageErrorOf(std::span<const Vec3> points, const Vec3& origin) {
   return reach * 0x1p-23 + Vec3::Constant(0x1p-149);
 }
 
+/// None where the vertices have no colours of their own.
+std::optional<osg::Vec4> meanOfVertices(const osg::Geometry& mesh) {
+  const osg::Array* colors = mesh.getColorArray();
+  if (!colors || colors->getNumElements() == 0) return {};
+  osg::Vec4 sum;
+  const auto count = static_cast<float>(colors->getNumElements());
+  if (const auto* floats = dynamic_cast<const osg::Vec4Array*>(colors)) {
+    for (const osg::Vec4& color : *floats)
+      sum += color;
+    return sum / count;
+  }
+  if (const auto* bytes = dynamic_cast<const osg::Vec4ubArray*>(colors)) {
+    for (const osg::Vec4ub& color : *bytes)
+      sum += osg::Vec4(color.r(), color.g(), color.b(), color.a());
+    return sum / (255 * count);
+  }
+  return {};
+}
+
+/// Of a grid of 16 x 16 pixels: enough for a colour from far away.
+osg::Vec4 meanOfPixels(const osg::Image& image) {
+  constexpr int kSide = 16;
+  osg::Vec4 sum;
+  if (!image.valid()) return {1, 1, 1, 1};
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide; ++column) {
+      sum += image.getColor(static_cast<unsigned int>(column * image.s() / kSide),
+                            static_cast<unsigned int>(row * image.t() / kSide));
+    }
+  }
+  return sum / (kSide * kSide);
+}
+
 /// What says nothing about how a thing looks must not be part of its name.
 void stripIdentity(osg::Drawable& drawable) {
   drawable.setName({});
@@ -94,6 +128,7 @@ Result<const WrittenDrawable*> AssetWriter::writeDrawable(const osg::Drawable& d
   stripIdentity(*copy);
   if (osg::Geometry* mesh = copy->asGeometry()) {
     if (mesh->containsDeprecatedData()) mesh->fixDeprecatedData();
+    written.meanColor = meanOfVertices(*mesh);
     written.origin = origin ? *origin : originFor(written.points);
     const osg::Array* vertices = mesh->getVertexArray();
     const bool isDouble = dynamic_cast<const osg::Vec3dArray*>(vertices) != nullptr;
@@ -110,7 +145,9 @@ Result<const WrittenDrawable*> AssetWriter::writeDrawable(const osg::Drawable& d
   if (!bytes) return bytes.error();
   if (bytes->size() > kMaxAssetBytes)
     return inputError("", "is larger than 255 MiB; cut it into several primitives");
-  written.id = store_->add({AssetKind::Drawable, std::move(*bytes), {}});
+  const auto asset = assets_->add(AssetKind::Drawable, std::move(*bytes));
+  if (!asset) return asset.error();
+  written.asset = *asset;
   return &written;
 }
 
@@ -133,7 +170,7 @@ const osg::StateSet* AssetWriter::merged(const osg::StateSet* inherited, const o
   return entry;
 }
 
-Result<AssetId> AssetWriter::writeState(const osg::StateSet* state) {
+Result<std::uint32_t> AssetWriter::writeState(const osg::StateSet* state) {
   if (const auto known = states_.find(state); known != states_.end()) return known->second;
   osg::ref_ptr<osg::StateSet> copy = state
                                          ? new osg::StateSet(*state, osg::CopyOp::DEEP_COPY_STATEATTRIBUTES |
@@ -143,18 +180,36 @@ Result<AssetId> AssetWriter::writeState(const osg::StateSet* state) {
   copy->setUserDataContainer(nullptr);
   copy->setUpdateCallback(nullptr);
   copy->setEventCallback(nullptr);
+  const StateColor color = colorOf(*copy);
   auto images = nameImages(*copy);
   if (!images) return images.error();
   Result<std::string> bytes = codec_.write(*copy);
   if (!bytes) return bytes.error();
-  const AssetId id = store_->add({AssetKind::State, std::move(*bytes), std::move(*images)});
-  states_.emplace(state, id);
-  return id;
+  const auto asset = assets_->add(AssetKind::State, std::move(*bytes), *images);
+  if (!asset) return asset;
+  states_.emplace(state, *asset);
+  colors_.emplace(*asset, color);
+  return asset;
+}
+
+StateColor AssetWriter::colorOf(const osg::StateSet& state) {
+  StateColor color;
+  const auto* material =
+      dynamic_cast<const osg::Material*>(state.getAttribute(osg::StateAttribute::MATERIAL));
+  if (material) color.material = material->getDiffuse(osg::Material::FRONT);
+  const auto* texture =
+      dynamic_cast<const osg::Texture*>(state.getTextureAttribute(0, osg::StateAttribute::TEXTURE));
+  if (const osg::Image* image = texture && texture->getNumImages() > 0 ? texture->getImage(0) : nullptr) {
+    const auto [known, isNew] = imageColors_.try_emplace(image);
+    if (isNew) known->second = meanOfPixels(*image);
+    color.texture = known->second;
+  }
+  return color;
 }
 
 /// Writes the images of the state's textures and renames each to its id, which is what the state's bytes say.
-Result<std::vector<AssetId>> AssetWriter::nameImages(osg::StateSet& state) {
-  std::vector<AssetId> ids;
+Result<std::vector<std::uint32_t>> AssetWriter::nameImages(osg::StateSet& state) {
+  std::vector<std::uint32_t> images;
   for (unsigned int unit = 0; unit < state.getTextureAttributeList().size(); ++unit) {
     auto* texture =
         dynamic_cast<osg::Texture*>(state.getTextureAttribute(unit, osg::StateAttribute::TEXTURE));
@@ -162,15 +217,15 @@ Result<std::vector<AssetId>> AssetWriter::nameImages(osg::StateSet& state) {
     for (unsigned int i = 0; i < texture->getNumImages(); ++i) {
       osg::Image* image = texture->getImage(i);
       if (!image) continue;
-      const auto id = writeImage(*image);
-      if (!id) return id.error();
-      ids.push_back(*id);
+      const auto asset = writeImage(*image);
+      if (!asset) return asset.error();
+      images.push_back(*asset);
     }
   }
-  return ids;
+  return images;
 }
 
-Result<AssetId> AssetWriter::writeImage(osg::Image& image) {
+Result<std::uint32_t> AssetWriter::writeImage(osg::Image& image) {
   if (const auto known = images_.find(&image); known != images_.end()) return known->second;
   image.setName({});
   image.setFileName({});
@@ -179,11 +234,12 @@ Result<AssetId> AssetWriter::writeImage(osg::Image& image) {
   if (!bytes) return bytes.error();
   if (bytes->size() > kMaxAssetBytes)
     return inputError("", "an image is larger than 255 MiB", "make it smaller");
-  const AssetId id = store_->add({AssetKind::Image, std::move(*bytes), {}});
-  image.setFileName(id.hex());
+  const auto asset = assets_->add(AssetKind::Image, std::move(*bytes));
+  if (!asset) return asset;
+  image.setFileName(assets_->row(*asset).id.hex());
   image.setWriteHint(osg::Image::EXTERNAL_FILE);
-  images_.emplace(&image, id);
-  return id;
+  images_.emplace(&image, *asset);
+  return asset;
 }
 
 }  // namespace tessera

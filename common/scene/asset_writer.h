@@ -1,14 +1,17 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <osg/Drawable>
+#include <osg/Image>
 #include <osg/StateSet>
+#include <osg/Vec4>
 
-#include "common/assets/asset_store.h"
+#include "common/assets/asset_table.h"
 #include "common/base/result.h"
 #include "common/geometry/box.h"
 #include "common/scene/osgb_codec.h"
@@ -17,23 +20,30 @@ namespace tessera {
 
 /// A drawable as it goes into the store, and what its leaves need to know of it.
 struct WrittenDrawable {
-  AssetId id;
+  std::uint32_t asset = 0;     ///< its number
   Vec3 origin = Vec3::Zero();  ///< local coordinates: the stored vertices are relative to it
   /// Per axis, how far a stored vertex may lie from its point: vertices in double are stored as float.
   Vec3 storageError = Vec3::Zero();
   std::vector<Vec3> points;  ///< the vertices in use, local coordinates, full precision
   std::uint64_t triangles = 0;
-  bool isEmpty = true;  ///< there is nothing to draw
+  bool isEmpty = true;                 ///< there is nothing to draw
+  std::optional<osg::Vec4> meanColor;  ///< of its vertices; none: the state has the colour
+};
+
+/// What a state makes of a drawable seen from far away.
+struct StateColor {
+  osg::Vec4 material = osg::Vec4(0.8F, 0.8F, 0.8F, 1);
+  osg::Vec4 texture = osg::Vec4(1, 1, 1, 1);  ///< the mean of the texture
 };
 
 /// The point about which a geometry's vertices are stored: in the middle of its box on the axes on which it
 /// lies far from its origin, else 0.
 [[nodiscard]] Vec3 storageOriginOf(const osg::Drawable& drawable);
 
-/// Serializes the drawables, state sets and images of one scene into its store, each once.
+/// Serializes the drawables, state sets and images of one scene into its assets, each once.
 class AssetWriter {
  public:
-  explicit AssetWriter(AssetStore& store) : store_(&store) {}
+  explicit AssetWriter(AssetTable& assets) : assets_(&assets) {}
 
   /// The drawable without its state. A geometry whose vertices lie far from its origin, or are doubles, is
   /// stored relative to a point in its middle, so that a tile can draw it in float without jitter; to
@@ -52,18 +62,24 @@ class AssetWriter {
   /// with the writer.
   [[nodiscard]] const osg::StateSet* merged(const osg::StateSet* inherited, const osg::StateSet* own);
 
-  /// Null stands for the empty state.
-  [[nodiscard]] Result<AssetId> writeState(const osg::StateSet* state);
+  /// The number of the asset. Null stands for the empty state.
+  [[nodiscard]] Result<std::uint32_t> writeState(const osg::StateSet* state);
+
+  /// Of a state that was written.
+  [[nodiscard]] const StateColor& meanColorOf(std::uint32_t state) const { return colors_.at(state); }
 
  private:
-  Result<AssetId> writeImage(osg::Image& image);
-  Result<std::vector<AssetId>> nameImages(osg::StateSet& state);
+  Result<std::uint32_t> writeImage(osg::Image& image);
+  Result<std::vector<std::uint32_t>> nameImages(osg::StateSet& state);
+  [[nodiscard]] StateColor colorOf(const osg::StateSet& state);
 
-  AssetStore* store_;
+  AssetTable* assets_;
   OsgbCodec codec_;
   std::unordered_map<const osg::Drawable*, WrittenDrawable> drawables_;
-  std::unordered_map<const osg::StateSet*, AssetId> states_;
-  std::unordered_map<const osg::Image*, AssetId> images_;
+  std::unordered_map<const osg::StateSet*, std::uint32_t> states_;
+  std::unordered_map<const osg::Image*, std::uint32_t> images_;
+  std::unordered_map<const osg::Image*, osg::Vec4> imageColors_;
+  std::unordered_map<std::uint32_t, StateColor> colors_;  ///< by number of the state
   std::map<std::pair<const osg::StateSet*, const osg::StateSet*>, osg::ref_ptr<const osg::StateSet>> merged_;
 };
 

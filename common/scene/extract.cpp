@@ -1,6 +1,7 @@
 #include "common/scene/extract.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -57,10 +58,25 @@ Vec3 toVec3(const osg::Vec3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+std::array<std::uint8_t, 4> meanRgba(const std::optional<osg::Vec4>& ofVertices, const StateColor& ofState) {
+  osg::Vec4 color = ofVertices ? *ofVertices : ofState.material;
+  color = osg::componentMultiply(color, ofState.texture);
+  std::array<std::uint8_t, 4> rgba{};
+  for (unsigned int i = 0; i < 4; ++i) {
+    const float channel = color[i] >= 0 ? std::min(color[i], 1.0F) : 0.0F;  // a NaN is no colour
+    rgba[i] = static_cast<std::uint8_t>(std::lround(channel * 255));
+  }
+  return rgba;
+}
+
 class Extractor {
  public:
-  Extractor(const ImportedGraph& graph, Scene& scene, std::uint64_t maxTrianglesPerLeaf)
-      : graph_(graph), scene_(scene), maxTriangles_(maxTrianglesPerLeaf), writer_(scene.assets) {}
+  Extractor(const ImportedGraph& graph, Scene& scene, const ExtractOptions& options)
+      : graph_(graph),
+        scene_(scene),
+        options_(options),
+        maxTriangles_(options.maxTrianglesPerLeaf),
+        writer_(scene.assets) {}
 
   Status run() {
     push(*graph_.root, {}, nullptr, 0, 0, true);
@@ -72,6 +88,7 @@ class Extractor {
         continue;
       }
       if (Status status = enter(visit); !status) return status;
+      tellProgress();
     }
     scene_.hierarchy = builder_.finish();
     for (const std::string& warning : warned_)
@@ -111,9 +128,18 @@ class Extractor {
     std::uint32_t part = 0;
   };
 
+  /// Of what is found on the way: the number of nodes is not known before.
+  void tellProgress() {
+    ++nodesDone_;
+    if (options_.progress && nodesDone_ % 64 == 0) {
+      const auto done = static_cast<double>(nodesDone_);
+      options_.progress(done / (done + static_cast<double>(visits_.size())));
+    }
+  }
+
   void push(const osg::Node& node, const WorldTransform& transform, const osg::StateSet* state,
             std::uint32_t parentPath, std::uint32_t childIndex, bool isRoot = false) {
-    if (isRoot) scene_.pathNodes.push_back({0, "root"});
+    if (isRoot) scene_.addPathNode(0, 0, "root");
     visits_.push_back({&node, transform, state, parentPath, childIndex});
   }
 
@@ -183,14 +209,10 @@ class Extractor {
   }
 
   std::uint32_t addPath(const Visit& visit, const osg::Node& node) {
-    const auto path = static_cast<std::uint32_t>(scene_.pathNodes.size());
     std::string name = node.getName();
     if (name.empty()) name = std::string(node.className()) + "[" + std::to_string(visit.childIndex) + "]";
     std::replace(name.begin(), name.end(), '/', '_');
-    scene_.pathNodes.push_back({visit.parentPath, std::move(name)});
-    pathChild_.resize(scene_.pathNodes.size(), 0);
-    pathChild_[path] = visit.childIndex;
-    return path;
+    return scene_.addPathNode(visit.parentPath, visit.childIndex, name);
   }
 
   /// Adds the drawable as one leaf, or as a subtree of its parts.
@@ -259,10 +281,10 @@ class Extractor {
       return Done{};
     }
     SceneLeaf leaf;
-    leaf.drawable = geometry.id;
+    leaf.drawable = geometry.asset;
     leaf.triangles = geometry.triangles;
     leaf.pathNode = path;
-    leaf.source = sourceOf(parent, drawableIndex, path);
+    leaf.source = sourceOf(parent, drawableIndex);
     leaf.graphLeaf = scene_.graphLeafCount;
     leaf.part = piece.part;
     if (maxTriangles_ > 0 && leaf.triangles > maxTriangles_) {
@@ -271,13 +293,15 @@ class Extractor {
     const auto state = writer_.writeState(writer_.merged(inherited, drawable.getStateSet()));
     if (!state) return state.error();
     leaf.state = *state;
+    leaf.meanRgba = meanRgba(geometry.meanColor, writer_.meanColorOf(*state));
 
     // Shared drawables keep theirs; the points of all others would double the memory of the import.
     std::vector<Vec3> points = piece.isShared ? geometry.points : writer_.takePoints(drawable);
     const auto* billboard = dynamic_cast<const osg::Billboard*>(&parent);
     if (billboard) {
-      leaf.billboard = billboardOf(*billboard, drawableIndex);
-      points = reachOf(points, *leaf.billboard);
+      leaf.billboard = static_cast<std::uint32_t>(scene_.billboards.size());
+      scene_.billboards.push_back(billboardOf(*billboard, drawableIndex));
+      points = reachOf(points, scene_.billboards.back());
     }
     Vec3 reach = Vec3::Zero(), storageError = geometry.storageError;
     if (billboard) storageError.setConstant(storageError.norm());  // it may turn to any axis
@@ -287,7 +311,7 @@ class Extractor {
       if (!p.allFinite()) return nodeError(path, "places a vertex beyond the range of numbers");
     }
     leaf.localToWorld = transform.matrix;
-    if (!leaf.billboard) {
+    if (!billboard) {
       leaf.localToWorld.col(3) += transform.matrix.leftCols<3>() * geometry.origin;
     } else if (!geometry.origin.isZero()) {
       return nodeError(path, "is a billboard whose drawable lies far from its origin");
@@ -329,53 +353,46 @@ class Extractor {
     return {corners.begin(), corners.end()};
   }
 
-  LeafSource sourceOf(const osg::Node& parent, std::uint32_t drawableIndex, std::uint32_t path) const {
+  LeafSource sourceOf(const osg::Node& parent, std::uint32_t drawableIndex) const {
     LeafSource source;
     if (const auto known = graph_.gltfSources.find(&parent); known != graph_.gltfSources.end()) {
       source.gltfNode = static_cast<std::uint32_t>(known->second.node);
       source.gltfPrimitive = static_cast<std::uint32_t>(known->second.primitives.at(drawableIndex));
-      return source;
+    } else if (!scene_.isGltf) {
+      source.osgDrawable = drawableIndex;
     }
-    if (scene_.isGltf) return source;
-    for (std::uint32_t node = path; node != 0; node = scene_.pathNodes[node].parent) {
-      source.osgNodePath.push_back(pathChild_[node]);
-    }
-    std::reverse(source.osgNodePath.begin(), source.osgNodePath.end());
-    source.osgDrawable = drawableIndex;
     return source;
   }
 
   [[nodiscard]] Error nodeError(std::uint32_t path, const std::string& what) const {
-    std::string name = scene_.pathNodes[path].name;
-    for (std::uint32_t node = path; node != 0;) {
-      node = scene_.pathNodes[node].parent;
-      name = scene_.pathNodes[node].name + "/" + name;
-    }
-    return inputError(scene_.source, "node \"" + name + "\" " + what, "mend or remove it in the scene file");
+    return inputError(scene_.source, "node \"" + scene_.pathOfNode(path) + "\" " + what,
+                      "mend or remove it in the scene file");
   }
 
   const ImportedGraph& graph_;
   Scene& scene_;
+  const ExtractOptions& options_;
+  std::uint64_t nodesDone_ = 0;
   const std::uint64_t maxTriangles_;  ///< of a leaf; 0: any number
   AssetWriter writer_;
   ObjectHierarchyBuilder builder_;
   std::vector<Visit> visits_;
   std::unordered_map<const osg::Drawable*, std::optional<Cut>> sharedCuts_;
-  std::vector<std::uint32_t> pathChild_ = {0};  ///< parallel to pathNodes: index among the parent's children
   std::set<std::string> warned_;
 };
 
 }  // namespace
 
-Result<Scene> extractScene(ImportedGraph graph, const std::string& source, bool isGltf,
-                           std::uint64_t maxTrianglesPerLeaf) {
+Result<Scene> extractScene(ImportedGraph graph, const ExtractOptions& options) {
   Scene scene;
-  scene.source = source;
-  scene.isGltf = isGltf;
+  scene.source = options.source;
+  scene.isGltf = options.isGltf;
   scene.warnings = graph.warnings;
-  if (Status status = Extractor(graph, scene, maxTrianglesPerLeaf).run(); !status) return status.error();
+  if (options.keeper) scene.assets = AssetTable(options.keeper);
+  if (Status status = Extractor(graph, scene, options).run(); !status) return status.error();
   if (scene.leaves.empty()) {
-    return inputError(source, "has nothing to draw", "is it the right file, and does it hold meshes?");
+    return inputError(options.source, "has nothing to draw",
+                      "is it the right file, and does it hold meshes?");
   }
   return scene;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -21,6 +23,7 @@ struct ImportedGraph {
   osg::ref_ptr<osg::Group> root;
   std::unordered_map<const osg::Node*, GltfSource> gltfSources;  ///< empty for other formats
   std::vector<std::string> warnings;                             ///< one sentence each
+  std::set<std::filesystem::path> files;  ///< looked for beside the named one, whether they are there or not
 
   ImportedGraph() = default;
   ImportedGraph(ImportedGraph&&) = default;
@@ -28,6 +31,7 @@ struct ImportedGraph {
     std::swap(root, other.root);
     std::swap(gltfSources, other.gltfSources);
     std::swap(warnings, other.warnings);
+    std::swap(files, other.files);
     return *this;
   }
   ImportedGraph(const ImportedGraph&) = delete;

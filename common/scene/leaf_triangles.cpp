@@ -14,21 +14,22 @@ namespace tessera {
 
 struct LeafTriangles::Decoded {
   OsgbCodec codec;
-  std::unordered_map<AssetId, DrawableTriangles, AssetIdHash> drawables;
-  std::vector<Vec3> vertices;                  ///< world space, of the last leaf
-  std::vector<std::array<Vec3, 3>> triangles;  ///< likewise
+  std::unordered_map<std::uint32_t, DrawableTriangles> drawables;  ///< by number
+  std::vector<Vec3> vertices;                                      ///< world space, of the last leaf
+  std::vector<std::array<Vec3, 3>> triangles;                      ///< likewise
 
-  Result<const DrawableTriangles*> get(const AssetStore& assets, const AssetId& id) {
-    if (const auto known = drawables.find(id); known != drawables.end()) return &known->second;
-    const Asset* asset = assets.find(id);
-    if (!asset) return runtimeError(id.hex(), "is not among the scene's assets");
-    const auto object = codec.read(asset->bytes, {});
+  Result<const DrawableTriangles*> get(const AssetTable& assets, std::uint32_t asset) {
+    if (const auto known = drawables.find(asset); known != drawables.end()) return &known->second;
+    const auto bytes = assets.read(asset);
+    if (!bytes) return bytes.error();
+    const std::string name = assets.row(asset).id.hex();
+    const auto object = codec.read(**bytes, {});
     if (!object) return object.error();
     const auto* drawable = dynamic_cast<const osg::Drawable*>(object->get());
-    if (!drawable) return runtimeError(id.hex(), "is not a drawable");
+    if (!drawable) return runtimeError(name, "is not a drawable");
     DrawableTriangles read = trianglesOf(*drawable);
-    if (read.isMalformed) return runtimeError(id.hex(), "has an index out of range");
-    return &drawables.emplace(id, std::move(read)).first->second;
+    if (read.isMalformed) return runtimeError(name, "has an index out of range");
+    return &drawables.emplace(asset, std::move(read)).first->second;
   }
 };
 
@@ -38,8 +39,10 @@ LeafTriangles::~LeafTriangles() = default;
 
 Result<std::span<const std::array<Vec3, 3>>> LeafTriangles::of(std::uint32_t leaf) {
   using Triangles = std::span<const std::array<Vec3, 3>>;
-  const SceneLeaf& from = scene_->leaves.at(leaf);
-  if (from.billboard) return Triangles{};
+  if (leaf >= scene_->leaves.size())
+    return runtimeError("leaf " + std::to_string(leaf), "is none of the scene's");
+  const SceneLeaf& from = scene_->leaves[leaf];
+  if (scene_->billboardOf(from)) return Triangles{};
   const auto local = decoded_->get(scene_->assets, from.drawable);
   if (!local) return local.error();
   std::vector<Vec3>& vertices = decoded_->vertices;

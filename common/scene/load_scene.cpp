@@ -32,16 +32,38 @@ Result<ImportedGraph> importGraph(const std::filesystem::path& path, UpAxis up) 
   return importOsg(path, up == UpAxis::Auto ? lowerExtension(path) != ".ac" : up == UpAxis::Z);
 }
 
-Result<Scene> loadScene(const std::filesystem::path& path, const LoadOptions& options) {
+Result<LoadedScene> loadSceneWithFiles(const std::filesystem::path& path, const LoadOptions& options) {
+  // Reading a file takes about as long as making assets of what was read.
+  const auto tell = [&](double share) {
+    if (options.progress) options.progress(share);
+  };
   auto graph = importGraph(path, options.up);
   if (!graph) return graph.error();
-  auto scene = extractScene(std::move(*graph), path.string(), isGltfFile(path), options.maxTrianglesPerLeaf);
-  if (scene) reorganize(*scene, options.hierarchy, options.maxTrianglesPerLeaf);
-  return scene;
+  tell(0.5);
+  LoadedScene loaded;
+  loaded.files = std::move(graph->files);
+  auto scene = extractScene(std::move(*graph), {.source = path.string(),
+                                                .isGltf = isGltfFile(path),
+                                                .maxTrianglesPerLeaf = options.maxTrianglesPerLeaf,
+                                                .keeper = options.keeper,
+                                                .progress = [&](double share) { tell(0.5 + 0.45 * share); }});
+  if (!scene) return scene.error();
+  reorganize(*scene, options.hierarchy, options.maxTrianglesPerLeaf);
+  tell(1);
+  loaded.scene = std::move(*scene);
+  return loaded;
+}
+
+Result<Scene> loadScene(const std::filesystem::path& path, const LoadOptions& options) {
+  auto loaded = loadSceneWithFiles(path, options);
+  if (!loaded) return loaded.error();
+  return std::move(loaded->scene);
 }
 
 Result<Scene> loadScene(const std::filesystem::path& path, UpAxis up) {
-  return loadScene(path, LoadOptions{.up = up});
+  LoadOptions options;
+  options.up = up;
+  return loadScene(path, options);
 }
 
 }  // namespace tessera

@@ -20,7 +20,7 @@ void reorganize(Scene& scene, HierarchyKind kind, std::uint64_t maxTrianglesPerL
   std::vector<SceneLeaf> leaves;
   leaves.reserve(scene.leaves.size());
   for (const std::uint32_t from : built.order)
-    leaves.push_back(std::move(scene.leaves[from]));
+    leaves.push_back(scene.leaves[from]);
   scene.leaves = std::move(leaves);
   scene.hierarchy = std::move(built.hierarchy);
 }

@@ -61,7 +61,7 @@ Status Audit::decide(std::span<ExactFrustum> seen) {
   meeting_ = 0;
   for (std::uint32_t leaf = 0; leaf < meets_.size(); ++leaf) {
     if (meets_[leaf] != Meets::Open) continue;
-    if (scene_->leaves[leaf].billboard) {
+    if (scene_->billboardOf(scene_->leaves[leaf])) {
       meets_[leaf] = Meets::Billboard;
       continue;
     }

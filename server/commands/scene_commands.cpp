@@ -23,7 +23,7 @@ Json leafJson(const Scene& scene, std::uint32_t leaf) {
   const Aabb& box = scene.hierarchy.aabb(scene.hierarchy.nodeOfLeaf(leaf));
   const Json source =
       scene.isGltf ? Json{{"node", from.source.gltfNode}, {"primitive", from.source.gltfPrimitive}}
-                   : Json{{"node_path", from.source.osgNodePath}, {"drawable", from.source.osgDrawable}};
+                   : Json{{"node_path", scene.nodePathOf(leaf)}, {"drawable", from.source.osgDrawable}};
   return {{"id", leaf},
           {"path", scene.pathOf(leaf)},
           {"source", source},

@@ -48,8 +48,7 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
                .inputs = inputs_,
                .pictures = pictures_.get(),
                .deadlines = {},
-               .handshakes = 0},
-      assetNumbers_(scene) {
+               .handshakes = 0} {
   trianglesBefore_.reserve(scene.leaves.size() + 1);
   trianglesBefore_.push_back(0);
   for (const SceneLeaf& leaf : scene.leaves)
@@ -57,7 +56,7 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
   newInputs_.reserve(InputQueue::kCapacity);
   mirrors_.reserve(wall.tiles.size());
   for (std::size_t i = 0; i < wall.tiles.size(); ++i)
-    mirrors_.emplace_back(scene, assetNumbers_);
+    mirrors_.emplace_back(scene);
 }
 
 Master::~Master() {

@@ -121,7 +121,6 @@ class Master {
   InputQueue inputs_;
   std::unique_ptr<PictureWriter> pictures_;
   SessionContext context_;
-  const AssetNumbers assetNumbers_;
   std::vector<TileMirror> mirrors_;
   std::vector<TileInput> newInputs_;
   proto::Encoder encoder_;

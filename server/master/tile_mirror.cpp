@@ -1,8 +1,9 @@
 #include "server/master/tile_mirror.h"
 
 #include <algorithm>
-#include <unordered_map>
 #include <utility>
+
+#include <spdlog/spdlog.h>
 
 #include "proto/list_codec.h"
 
@@ -15,14 +16,21 @@ static_assert(kMaxAssetBytes <= proto::kMaxAssetBytes);
 constexpr std::size_t kAssetBatchBytes = 4 << 20;
 constexpr std::size_t kLeafBatch = 4096;
 
-proto::Bytes encodeAssets(const AssetNumbers& numbers, const std::vector<std::uint32_t>& chosen) {
+proto::Bytes encodeAssets(const AssetTable& assets, const std::vector<std::uint32_t>& chosen) {
   proto::Assets message;
+  std::vector<AssetBytes> held;
   message.assets.reserve(chosen.size());
   for (const std::uint32_t number : chosen) {
-    const AssetNumbers::Entry& entry = numbers.entry(number);
-    message.assets.push_back({.id = entry.id.bytes,
-                              .kind = static_cast<proto::AssetKind>(entry.asset->kind),
-                              .bytes = std::as_bytes(std::span(entry.asset->bytes))});
+    const auto bytes = assets.read(number);
+    if (!bytes) {
+      spdlog::error("{}", bytes.error().text());
+      continue;
+    }
+    const AssetRow& row = assets.row(number);
+    held.push_back(*bytes);
+    message.assets.push_back({.id = row.id.bytes,
+                              .kind = static_cast<proto::AssetKind>(row.kind),
+                              .bytes = std::as_bytes(std::span(**bytes))});
   }
   return proto::encode(message);
 }
@@ -32,15 +40,14 @@ proto::LeafRecord recordOf(const Scene& scene, std::uint32_t leaf) {
   const Sphere& sphere = scene.hierarchy.sphere(scene.hierarchy.nodeOfLeaf(leaf));
   proto::LeafRecord record;
   record.id = leaf;
-  record.drawable = from.drawable.bytes;
-  record.state = from.state.bytes;
+  record.drawable = scene.assets.row(from.drawable).id.bytes;
+  record.state = scene.assets.row(from.state).id.bytes;
   record.localToWorld = from.localToWorld;
   record.center = sphere.center;
   record.radius = sphere.radius;
-  if (from.billboard) {
-    record.billboard =
-        proto::LeafBillboard{static_cast<proto::BillboardMode>(from.billboard->mode), from.billboard->axis,
-                             from.billboard->normal, from.billboard->position};
+  if (const Billboard* billboard = scene.billboardOf(from)) {
+    record.billboard = proto::LeafBillboard{static_cast<proto::BillboardMode>(billboard->mode),
+                                            billboard->axis, billboard->normal, billboard->position};
   }
   return record;
 }
@@ -64,25 +71,6 @@ void sendLazily(net::Connection& connection, const std::shared_ptr<TileTraffic>&
 }
 
 }  // namespace
-
-AssetNumbers::AssetNumbers(const Scene& scene) {
-  std::unordered_map<AssetId, std::uint32_t, AssetIdHash> numbers;
-  const auto numberOf = [&](const AssetId& id) {
-    const auto [found, isNew] = numbers.try_emplace(id, static_cast<std::uint32_t>(entries_.size()));
-    if (isNew) entries_.push_back({.id = id, .asset = scene.assets.find(id), .needs = {}});
-    return found->second;
-  };
-  ofLeaves_.reserve(scene.leaves.size());
-  for (const SceneLeaf& leaf : scene.leaves)
-    ofLeaves_.push_back({.state = numberOf(leaf.state), .drawable = numberOf(leaf.drawable)});
-  // Numbering goes on as needs are found, which may have needs of their own.
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    std::vector<std::uint32_t> needs;
-    for (const AssetId& needed : entries_[i].asset->needs)
-      needs.push_back(numberOf(needed));
-    entries_[i].needs = std::move(needs);
-  }
-}
 
 void TileMirror::follow(std::uint64_t session) {
   if (session == session_) return;
@@ -140,11 +128,10 @@ TileMirror::Sent TileMirror::send(net::Connection& connection, proto::Encoder& e
 void TileMirror::needAsset(std::uint32_t number, Sent& sent) {
   if (knownAssets_[number]) return;
   knownAssets_[number] = true;
-  const AssetNumbers::Entry& entry = numbers_->entry(number);
-  for (const std::uint32_t needed : entry.needs)
+  for (const std::uint32_t needed : scene_->assets.needsOf(number))
     needAsset(needed, sent);
   missingAssets_.push_back(number);
-  sent.assetBytes += entry.asset->bytes.size();
+  sent.assetBytes += scene_->assets.row(number).bytes;
   ++sent.assets;
 }
 
@@ -156,9 +143,8 @@ void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& to
     if (knownLeaves_[leaf]) return;
     knownLeaves_[leaf] = true;
     missingLeaves_.push_back(leaf);
-    const AssetNumbers::OfLeaf needed = numbers_->ofLeaf(leaf);
-    needAsset(needed.state, sent);
-    needAsset(needed.drawable, sent);
+    needAsset(scene_->leaves[leaf].state, sent);
+    needAsset(scene_->leaves[leaf].drawable, sent);
   });
   sent.leaves = static_cast<std::uint32_t>(missingLeaves_.size());
   if (missingLeaves_.empty()) return;
@@ -167,13 +153,13 @@ void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& to
   std::size_t batchBytes = 0;
   const auto flush = [&] {
     if (batch.empty()) return;
-    sendLazily(connection, traffic_, [numbers = numbers_, chosen = std::exchange(batch, {})] {
-      return encodeAssets(*numbers, chosen);
+    sendLazily(connection, traffic_, [assets = &scene_->assets, chosen = std::exchange(batch, {})] {
+      return encodeAssets(*assets, chosen);
     });
     batchBytes = 0;
   };
   for (const std::uint32_t number : missingAssets_) {
-    const std::size_t bytes = numbers_->entry(number).asset->bytes.size();
+    const std::size_t bytes = scene_->assets.row(number).bytes;
     if (batchBytes + bytes > kAssetBatchBytes || batch.size() == proto::kMaxAssetsPerMessage) flush();
     batch.push_back(number);
     batchBytes += bytes;

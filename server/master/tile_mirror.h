@@ -17,28 +17,6 @@ struct TileTraffic {
   std::atomic<std::uint64_t> listBytes{0}, geometryBytes{0};
 };
 
-/// The assets of a scene that its leaves need, by number: what a tile has is then a row of bits. `scene`
-/// outlives it.
-class AssetNumbers {
- public:
-  explicit AssetNumbers(const Scene& scene);
-  struct Entry {
-    AssetId id;
-    const Asset* asset = nullptr;
-    std::vector<std::uint32_t> needs;  ///< numbers of Asset::needs
-  };
-  struct OfLeaf {
-    std::uint32_t state = 0, drawable = 0;
-  };
-  [[nodiscard]] const Entry& entry(std::uint32_t number) const { return entries_[number]; }
-  [[nodiscard]] OfLeaf ofLeaf(std::uint32_t leaf) const { return ofLeaves_[leaf]; }
-  [[nodiscard]] std::size_t size() const { return entries_.size(); }
-
- private:
-  std::vector<Entry> entries_;
-  std::vector<OfLeaf> ofLeaves_;
-};
-
 /// What all tiles show beside or instead of the scene.
 struct Display {
   bool overlay = false;
@@ -48,18 +26,15 @@ struct Display {
 
 /// What one tile has: which assets and leaf records it was sent, and which frame's list it acknowledged last.
 /// The connection keeps the order of messages, so whatever was queued before a frame is there when the frame
-/// is. Used by the frame loop alone. `scene` and `numbers` outlive it and every message still queued.
+/// is. Used by the frame loop alone. `scene` outlives it and every message still queued.
 ///
 /// A tile that acknowledged the frame before is told what toggled since. One that has not (it fell behind, or
 /// has just come) is sent the whole list, against the empty one: that happens rarely, and no list need be
 /// kept here.
 class TileMirror {
  public:
-  TileMirror(const Scene& scene, const AssetNumbers& numbers)
-      : scene_(&scene),
-        numbers_(&numbers),
-        knownLeaves_(scene.leaves.size(), false),
-        knownAssets_(numbers.size(), false) {}
+  explicit TileMirror(const Scene& scene)
+      : scene_(&scene), knownLeaves_(scene.leaves.size(), false), knownAssets_(scene.assets.size(), false) {}
 
   /// Forgets everything when another process has taken the tile.
   void follow(std::uint64_t session);
@@ -102,7 +77,6 @@ class TileMirror {
   void sendGeometry(net::Connection& connection, const VisibleList& toggled, Sent& sent);
 
   const Scene* scene_;
-  const AssetNumbers* numbers_;
   std::shared_ptr<TileTraffic> traffic_ = std::make_shared<TileTraffic>();
   std::uint64_t session_ = 0;
   std::vector<bool> knownLeaves_, knownAssets_;

@@ -67,6 +67,7 @@ Result<ImportedGraph> import(const std::filesystem::path& path) {
   const Status status = gltf::buildNodes(*document, geometries, warnings, graph);
   if (!status) return status.error();
   graph.warnings = warnings.sentences();
+  graph.files = std::move(document->files);
   return graph;
 }
 

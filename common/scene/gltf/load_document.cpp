@@ -28,6 +28,7 @@ struct FileAccess {
   const JsonFacts* facts = nullptr;
   std::map<std::string, std::string> imageFaults;  ///< by uri as written
   std::optional<Error> bufferFault;
+  std::set<fs::path> files;  ///< that were looked for
 };
 
 /// Empty when the decoded uri names a file in the scene's folder, else why not.
@@ -43,12 +44,13 @@ std::string faultOfUri(const std::string& uri) {
   return {};
 }
 
-Result<std::string> readNamedFile(const FileAccess& access, const NamedFile& file) {
+Result<std::string> readNamedFile(FileAccess& access, const NamedFile& file) {
   const std::string fault = faultOfUri(file.path);
   const std::string what =
       std::string(file.isBuffer ? "buffer" : "image") + " \"" + file.path.substr(0, 200) + "\"";
   if (!fault.empty()) return inputError({}, what + " " + fault, "put the file beside the scene");
   const fs::path path = access.folder / file.path;
+  access.files.insert(path);
   Result<std::string> bytes = readFile(path, kMaxFileBytes);
   if (!bytes)
     return inputError({}, what + ": " + path.string() + ": " + bytes.error().what, bytes.error().mend);
@@ -183,13 +185,14 @@ Result<Document> loadDocument(const fs::path& path) {
   Result<JsonFacts> facts = checkJson(*json);
   if (!facts) return facts.error();
 
-  FileAccess access{path.parent_path(), &*facts, {}, std::nullopt};
+  FileAccess access{path.parent_path(), &*facts, {}, std::nullopt, {}};
   Result<tinygltf::Model> model = parse(*bytes, isBinary, access);
   if (!model) return model.error();
   Document document;
   document.model = std::move(*model);
   document.extensionsUsed = std::move(facts->extensionsUsed);
   document.imageFaults = std::move(access.imageFaults);
+  document.files = std::move(access.files);
   return document;
 }
 

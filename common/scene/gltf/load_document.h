@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Document {
   tinygltf::Model model;
   std::vector<std::string> extensionsUsed;
   std::map<std::string, std::string> imageFaults;  ///< by uri as written: why its file could not be had
+  std::set<std::filesystem::path> files;           ///< that it names, read or looked for
 };
 
 /// Reads and parses the file and the files that it names, which must lie in its own folder or below.

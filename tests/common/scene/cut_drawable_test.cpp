@@ -347,7 +347,7 @@ TEST(CutDrawable, WhatIsSmallEnoughStaysWhole) {
 Result<Scene> extract(osg::Group* root, std::uint64_t max) {
   ImportedGraph graph;
   graph.root = root;
-  return extractScene(std::move(graph), "test", false, max);
+  return extractScene(std::move(graph), {.source = "test", .maxTrianglesPerLeaf = max});
 }
 
 TEST(ExtractCut, PartsAreLeavesUnderABinarySubtree) {
@@ -443,7 +443,7 @@ TEST(ExtractCut, BillboardsAreNeverCut) {
   const auto scene = extract(root, 20);
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->leaves.size(), 1U);
-  EXPECT_TRUE(scene->leaves[0].billboard);
+  EXPECT_NE(scene->billboardOf(scene->leaves[0]), nullptr);
 }
 
 TEST(ExtractCut, PartsOfAFarMeshShareItsOrigin) {

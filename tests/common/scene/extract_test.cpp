@@ -25,7 +25,7 @@ osg::ref_ptr<osg::Geometry> triangleAt(float x, float size = 1) {
 Result<Scene> extract(osg::Group* root) {
   ImportedGraph graph;
   graph.root = root;
-  return extractScene(std::move(graph), "test", false);
+  return extractScene(std::move(graph), {.source = "test"});
 }
 
 TEST(Extract, TakesANodesOwnDrawablesBeforeItsChildren) {
@@ -46,7 +46,7 @@ TEST(Extract, TakesANodesOwnDrawablesBeforeItsChildren) {
   EXPECT_NEAR(minX(2), 20, 1e-9);
   EXPECT_EQ(scene->pathOf(0), "root");
   EXPECT_EQ(scene->pathOf(2), "root/child");
-  EXPECT_EQ(scene->leaves[2].source.osgNodePath, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(scene->nodePathOf(2), std::vector<std::uint32_t>{0});
   EXPECT_EQ(scene->leaves[2].source.osgDrawable, 1U);
   EXPECT_EQ(scene->triangleCount(), 3U);
 }

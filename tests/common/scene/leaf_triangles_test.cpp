@@ -17,7 +17,7 @@ using Triangle = std::array<Vec3, 3>;
 Result<Scene> extract(osg::Group* root, std::uint64_t max = 0) {
   ImportedGraph graph;
   graph.root = root;
-  return extractScene(std::move(graph), "test", false, max);
+  return extractScene(std::move(graph), {.source = "test", .maxTrianglesPerLeaf = max});
 }
 
 /// The triangles of one set of indexed triangles over floats.
@@ -193,7 +193,7 @@ TEST(LeafTriangles, FailOnAnAssetThatIsNotThere) {
   ASSERT_TRUE(scene);
   scene->leaves[0].drawable = scene->leaves[0].state;
   EXPECT_FALSE(LeafTriangles(*scene).of(0)) << "a state, not a drawable";
-  scene->leaves[0].drawable = AssetId{};
+  scene->leaves[0].drawable = static_cast<std::uint32_t>(scene->assets.size());
   EXPECT_FALSE(LeafTriangles(*scene).of(0));
 }
 

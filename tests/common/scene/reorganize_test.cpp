@@ -33,7 +33,7 @@ Scene makeScene(std::uint64_t maxTrianglesPerLeaf = 0) {
   }
   ImportedGraph graph;
   graph.root = root;
-  auto scene = extractScene(std::move(graph), "test", false, maxTrianglesPerLeaf);
+  auto scene = extractScene(std::move(graph), {.source = "test", .maxTrianglesPerLeaf = maxTrianglesPerLeaf});
   if (!scene) {
     ADD_FAILURE() << scene.error().text();
     return {};
@@ -82,7 +82,7 @@ TEST_P(Reorganize, KeepsEveryLeafWithAllThatItHas) {
     EXPECT_EQ(after.leaves[leaf].state, before.leaves[from].state) << leaf;
     EXPECT_EQ(after.leaves[leaf].localToWorld, before.leaves[from].localToWorld) << leaf;
     EXPECT_EQ(after.leaves[leaf].triangles, before.leaves[from].triangles) << leaf;
-    EXPECT_EQ(after.leaves[leaf].source.osgNodePath, before.leaves[from].source.osgNodePath) << leaf;
+    EXPECT_EQ(after.nodePathOf(leaf), before.nodePathOf(from)) << leaf;
     EXPECT_EQ(after.pathOf(leaf), before.pathOf(from)) << leaf;
   }
 }
@@ -134,7 +134,7 @@ TEST_P(Reorganize, KeepsThePartsOfCutDrawables) {
   const auto parts = [](const Scene& scene) {
     std::vector<std::tuple<std::uint32_t, std::uint32_t, std::string, std::uint64_t>> all;
     for (const SceneLeaf& leaf : scene.leaves)
-      all.emplace_back(leaf.graphLeaf, leaf.part, leaf.drawable.hex(), leaf.triangles);
+      all.emplace_back(leaf.graphLeaf, leaf.part, scene.assets.row(leaf.drawable).id.hex(), leaf.triangles);
     std::ranges::sort(all);
     return all;
   };
@@ -177,7 +177,7 @@ TEST(ReorganizeOne, ASceneOfOneLeaf) {
        {HierarchyKind::Bvh, HierarchyKind::Octree, HierarchyKind::LooseOctree, HierarchyKind::Kd}) {
     ImportedGraph graph;
     graph.root = root;
-    auto scene = extractScene(std::move(graph), "test", false, 0);
+    auto scene = extractScene(std::move(graph), {.source = "test"});
     ASSERT_TRUE(scene) << scene.error().text();
     reorganize(*scene, kind, 0);
     EXPECT_EQ(scene->hierarchy.nodeCount(), 1U) << nameOf(kind);

@@ -230,9 +230,9 @@ class SceneContract : public ::testing::TestWithParam<Case> {
             << view.name << ": " << leafCount(whole) << " on the wall, " << leafCount(sum) << " on its tiles";
       }
     }
-    EXPECT_TRUE(
-        exact > 0 ||
-        std::ranges::all_of(graph_.leaves, [](const SceneLeaf& leaf) { return leaf.billboard.has_value(); }))
+    EXPECT_TRUE(exact > 0 || std::ranges::all_of(
+                                 graph_.leaves,
+                                 [&](const SceneLeaf& leaf) { return graph_.billboardOf(leaf) != nullptr; }))
         << "nothing is in view";
     std::printf("excess of adaptive/obb: %-45s %6zu leaves %8llu pairs %8llu exact %7.2f %%\n",
                 GetParam().file, graph_.leaves.size(), static_cast<unsigned long long>(pairs),

@@ -151,8 +151,8 @@ class FakeTile {
 /// Boxes on a square, in groups of rows.
 Scene squareOfBoxes(int side) {
   Scene scene;
-  const AssetId drawable = scene.assets.add({.kind = AssetKind::Drawable, .bytes = "a box", .needs = {}});
-  const AssetId state = scene.assets.add({.kind = AssetKind::State, .bytes = "a state", .needs = {}});
+  const std::uint32_t drawable = *scene.assets.add(AssetKind::Drawable, "a box");
+  const std::uint32_t state = *scene.assets.add(AssetKind::State, "a state");
   ObjectHierarchyBuilder builder;
   builder.openNode();
   for (int row = 0; row < side; ++row) {

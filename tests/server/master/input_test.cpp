@@ -195,8 +195,8 @@ Scene oneBox() {
   builder.closeNode();
   scene.hierarchy = builder.finish();
   SceneLeaf leaf;
-  leaf.drawable = scene.assets.add({.kind = AssetKind::Drawable, .bytes = "a box", .needs = {}});
-  leaf.state = scene.assets.add({.kind = AssetKind::State, .bytes = "a state", .needs = {}});
+  leaf.drawable = *scene.assets.add(AssetKind::Drawable, "a box");
+  leaf.state = *scene.assets.add(AssetKind::State, "a state");
   leaf.triangles = 12;
   scene.leaves.push_back(leaf);
   return scene;
