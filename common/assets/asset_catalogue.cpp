@@ -17,7 +17,8 @@ const StoredAsset* AssetCatalogue::find(const AssetId& id) const {
 
 void AssetCatalogue::forget(const AssetId& id, const StoredAsset& place) {
   const auto [begin, end] = others_.equal_range(id);
-  for (auto it = begin; it != end;) it = it->second == place ? others_.erase(it) : std::next(it);
+  for (auto it = begin; it != end;)
+    it = it->second == place ? others_.erase(it) : std::next(it);
   const auto found = first_.find(id);
   if (found == first_.end() || found->second != place) return;
   first_.erase(found);
@@ -35,7 +36,8 @@ void AssetCatalogue::forget(const std::set<PackId>& packs) {
       ++it;
     }
   }
-  for (const AssetId& id : lost) promote(id);
+  for (const AssetId& id : lost)
+    promote(id);
 }
 
 void AssetCatalogue::promote(const AssetId& id) {

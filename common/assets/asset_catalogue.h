@@ -20,7 +20,8 @@ class AssetCatalogue {
   /// Calls `visit(id, place)` for every asset, in no order.
   template <class Visit>
   void forEach(Visit visit) const {
-    for (const auto& [id, place] : first_) visit(id, place);
+    for (const auto& [id, place] : first_)
+      visit(id, place);
   }
   [[nodiscard]] std::size_t size() const { return first_.size(); }
 

@@ -39,7 +39,8 @@ Result<StoredAsset> DiskStore::add(const AssetId& id, AssetKind kind, std::span<
     return runtimeError(state_->folder.root.string(), "the store was opened for reading alone");
   }
   if (bytes.size() > kMaxAssetBytes) {
-    return inputError(id.hex().substr(0, 16), "the asset has more than " + std::to_string(kMaxAssetBytes) + " bytes",
+    return inputError(id.hex().substr(0, 16),
+                      "the asset has more than " + std::to_string(kMaxAssetBytes) + " bytes",
                       "cut it into smaller ones");
   }
   const std::lock_guard lock(state_->mutex);
@@ -73,8 +74,9 @@ std::vector<DiskStore::Content> DiskStore::contents() const {
   }
   std::sort(all.begin(), all.end(), [](const Content& a, const Content& b) { return a.id < b.id; });
   // Another process may have published what this one is writing.
-  all.erase(std::unique(all.begin(), all.end(), [](const Content& a, const Content& b) { return a.id == b.id; }),
-            all.end());
+  all.erase(
+      std::unique(all.begin(), all.end(), [](const Content& a, const Content& b) { return a.id == b.id; }),
+      all.end());
   return all;
 }
 

@@ -21,21 +21,22 @@ namespace tessera {
 /// harmless. A process that dies at any moment leaves nothing half-written that could be seen.
 ///
 /// Nothing read is trusted: sizes are checked against the file and the limits before memory is taken, an
-/// asset's bytes against its id, an entry's against its checksum. But whoever may write the folder may replace
-/// an entry by one of his own; the folder is therefore made for its owner alone (mode 0700).
+/// asset's bytes against its id, an entry's against its checksum. But whoever may write the folder may
+/// replace an entry by one of his own; the folder is therefore made for its owner alone (mode 0700).
 ///
 /// All members may be called by many threads.
 class DiskStore {
  public:
   struct Options {
-    std::filesystem::path folder;                          ///< made where it is missing
-    std::uint64_t budgetBytes = std::uint64_t{8} << 30;    ///< what evict() brings the folder under
-    bool mayWrite = true;                                  ///< false: nothing in the folder is ever changed
-    std::uint64_t packBytes = std::uint64_t{64} << 20;     ///< about how large a pack becomes
+    std::filesystem::path folder;                        ///< made where it is missing
+    std::uint64_t budgetBytes = std::uint64_t{8} << 30;  ///< what evict() brings the folder under
+    bool mayWrite = true;                                ///< false: nothing in the folder is ever changed
+    std::uint64_t packBytes = std::uint64_t{64} << 20;   ///< about how large a pack becomes
     int zstdLevel = 1;
   };
 
-  /// Opens or makes a store. One error says why that cannot be: a file in the way, no right, a read-only disk.
+  /// Opens or makes a store. One error says why that cannot be: a file in the way, no right, a read-only
+  /// disk.
   static Result<std::unique_ptr<DiskStore>> open(const Options& options);
   ~DiskStore();
   DiskStore(const DiskStore&) = delete;

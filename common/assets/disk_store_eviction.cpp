@@ -34,7 +34,8 @@ void collect(const fs::path& folder, PackOf packOf, std::vector<Candidate>& all)
     Candidate candidate;
     candidate.path = it->path();
     struct stat status {};
-    if (!packOf(candidate) || ::lstat(candidate.path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    if (!packOf(candidate) || ::lstat(candidate.path.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
+      continue;
     candidate.bytes = static_cast<std::uint64_t>(status.st_size);
     candidate.usedS = status.st_mtim.tv_sec;
     candidate.usedNs = status.st_mtim.tv_nsec;
@@ -66,12 +67,14 @@ DiskStore::Eviction DiskStore::evict() {
       },
       all);
   collect(
-      state.folder.entries(), [](const Candidate& c) { return isEntryName(c.path.filename().string()); }, all);
+      state.folder.entries(), [](const Candidate& c) { return isEntryName(c.path.filename().string()); },
+      all);
   std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.usedS, a.usedNs, a.path) < std::tie(b.usedS, b.usedNs, b.path);
   });
   Eviction result;
-  for (const Candidate& c : all) result.bytesBefore += c.bytes;
+  for (const Candidate& c : all)
+    result.bytesBefore += c.bytes;
   result.bytesAfter = result.bytesBefore;
   if (!state.options.mayWrite) return result;
 

@@ -27,11 +27,15 @@ constexpr std::chrono::seconds kTouchEvery{60};
 /// A folder that changed so shortly before it was read may change again without another time of change.
 constexpr std::int64_t kSettledNs = 50'000'000;
 
-std::int64_t nanoseconds(const timespec& t) { return t.tv_sec * 1'000'000'000 + t.tv_nsec; }
+std::int64_t nanoseconds(const timespec& t) {
+  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
+}
 
 }  // namespace
 
-void touch(int fd) { ::futimens(fd, nullptr); }
+void touch(int fd) {
+  ::futimens(fd, nullptr);
+}
 
 void DiskStore::State::refresh() {
   struct stat status {};
@@ -51,7 +55,8 @@ void DiskStore::State::refresh() {
   }
   if (ec) return;  // Half a list is no reason to forget the other half.
   std::set<PackId> gone;
-  std::set_difference(known.begin(), known.end(), there.begin(), there.end(), std::inserter(gone, gone.end()));
+  std::set_difference(known.begin(), known.end(), there.begin(), there.end(),
+                      std::inserter(gone, gone.end()));
   if (!gone.empty()) forgetPacks(gone);
   for (const PackId& id : there) {
     if (!known.contains(id)) loadPack(id);
@@ -64,12 +69,15 @@ void DiskStore::State::loadPack(const PackId& id) {
   if (!file.isOpen()) return;
   const PackContents contents = readContents(file.fd());
   switch (contents.state) {
-    case PackContents::State::Failed: return;  // It may be better the next time.
+    case PackContents::State::Failed:
+      return;  // It may be better the next time.
     case PackContents::State::Good:
-    case PackContents::State::OtherVersion: break;
+    case PackContents::State::OtherVersion:
+      break;
     case PackContents::State::Recovered:
     case PackContents::State::Unreadable:
-      spdlog::warn("{}: the pack is damaged; {} of its assets were found", path.string(), contents.entries.size());
+      spdlog::warn("{}: the pack is damaged; {} of its assets were found", path.string(),
+                   contents.entries.size());
       damaged.insert(id);
   }
   known.insert(id);
@@ -146,7 +154,8 @@ std::shared_ptr<OpenPack> DiskStore::State::openPack(const PackId& id, int& erro
   return pack;
 }
 
-Result<std::string> DiskStore::State::read(const AssetId& id, const StoredAsset& place, ReadProblem& problem) {
+Result<std::string> DiskStore::State::read(const AssetId& id, const StoredAsset& place,
+                                           ReadProblem& problem) {
   const fs::path path = folder.pack(place.pack);
   std::shared_ptr<OpenPack> pack;
   {

@@ -33,7 +33,8 @@ class MappedEntry {
 [[nodiscard]] bool isEntryName(const std::string& name);
 
 /// What is written in front of an entry's bytes.
-[[nodiscard]] std::vector<std::byte> makeEntryHeader(const std::string& name, std::span<const std::byte> bytes);
+[[nodiscard]] std::vector<std::byte> makeEntryHeader(const std::string& name,
+                                                     std::span<const std::byte> bytes);
 
 enum class EntryProblem {
   Damaged,  ///< not what was written, or written by another version
@@ -44,7 +45,7 @@ enum class EntryProblem {
 /// privately, so that the machine may page it out, else plain memory. Verifies name, version and checksum on
 /// the way, of the very bytes that are handed out. A mapping of the entry's own file would kill the process
 /// (SIGBUS) should somebody shorten that file. `problem` is set on an error.
-[[nodiscard]] Result<MappedEntry> copyEntry(const StoreFolder& folder, const std::string& name, FileHandle file,
-                                            EntryProblem& problem);
+[[nodiscard]] Result<MappedEntry> copyEntry(const StoreFolder& folder, const std::string& name,
+                                            FileHandle file, EntryProblem& problem);
 
 }  // namespace tessera

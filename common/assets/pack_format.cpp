@@ -12,13 +12,14 @@ namespace {
 
 std::array<std::uint8_t, 8> checkOf(const RecordHeader& header) {
   std::array<std::uint8_t, 8> check;
-  const AssetId digest =
-      assetIdOf(std::as_bytes(std::span(&header, 1)).first(offsetof(RecordHeader, check)));
+  const AssetId digest = assetIdOf(std::as_bytes(std::span(&header, 1)).first(offsetof(RecordHeader, check)));
   std::copy_n(digest.bytes.begin(), check.size(), check.begin());
   return check;
 }
 
-bool isKnown(AssetKind kind) { return kind <= AssetKind::Image; }
+bool isKnown(AssetKind kind) {
+  return kind <= AssetKind::Image;
+}
 
 /// The catalogue at the end of the file; false unless it is whole and its checksum good.
 bool readCatalogue(int fd, std::uint64_t fileBytes, std::vector<PackEntry>& entries) {
@@ -39,8 +40,10 @@ bool readCatalogue(int fd, std::uint64_t fileBytes, std::vector<PackEntry>& entr
   entries.resize(trailer.recordCount);
   if (!entries.empty()) std::memcpy(entries.data(), bytes.data(), catalogueBytes);
   return std::all_of(entries.begin(), entries.end(), [&](const PackEntry& e) {
-    return isGood(StoredAsset{.pack = {}, .offset = e.offset, .storedBytes = e.storedBytes, .bytes = e.bytes, .kind = e.kind},
-                  trailer.catalogueOffset);
+    return isGood(
+        StoredAsset{
+            .pack = {}, .offset = e.offset, .storedBytes = e.storedBytes, .bytes = e.bytes, .kind = e.kind},
+        trailer.catalogueOffset);
   });
 }
 

@@ -35,7 +35,8 @@ Result<std::string> readRecord(int fd, const std::string& name, const AssetId& i
   if (!sizeOfFile(fd, fileBytes)) return unread(name, id, problem);
   if (!isGood(place, fileBytes)) return damage(name, id, "lies outside of the file", problem);
   RecordHeader header;
-  if (!readAt(fd, std::as_writable_bytes(std::span(&header, 1)), place.offset)) return unread(name, id, problem);
+  if (!readAt(fd, std::as_writable_bytes(std::span(&header, 1)), place.offset))
+    return unread(name, id, problem);
   if (!isGood(header) || header.id != id || header.storedBytes != place.storedBytes ||
       header.bytes != place.bytes || header.kind != place.kind) {
     return damage(name, id, "is not where it should be", problem);

@@ -31,11 +31,8 @@ Result<StoredAsset> PackWriter::add(const AssetId& id, AssetKind kind, std::span
     [[maybe_unused]] const int ignored = ::ftruncate(file_.fd(), static_cast<off_t>(end_));
     return storageError(folder_.root, "an asset cannot be written", error);
   }
-  entries_.push_back({.id = id,
-                      .offset = end_,
-                      .storedBytes = header.storedBytes,
-                      .bytes = header.bytes,
-                      .kind = kind});
+  entries_.push_back(
+      {.id = id, .offset = end_, .storedBytes = header.storedBytes, .bytes = header.bytes, .kind = kind});
   const StoredAsset place{id_, end_, header.storedBytes, header.bytes, kind};
   end_ += sizeof header + stored.size();
   return place;

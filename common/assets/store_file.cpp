@@ -84,13 +84,17 @@ Error storageError(const fs::path& where, const std::string& what, int errorNumb
   switch (errorNumber) {
     case ENOSPC:
     case EDQUOT:
-    case EFBIG: return runtimeError(where.string(), text, "free space there or use a folder on another disk");
+    case EFBIG:
+      return runtimeError(where.string(), text, "free space there or use a folder on another disk");
     case EACCES:
     case EPERM:
-    case EROFS: return inputError(where.string(), text, "use a folder that this user may write");
+    case EROFS:
+      return inputError(where.string(), text, "use a folder that this user may write");
     case EMFILE:
-    case ENFILE: return runtimeError(where.string(), text, "allow more open files (ulimit -n)");
-    default: return runtimeError(where.string(), text);
+    case ENFILE:
+      return runtimeError(where.string(), text, "allow more open files (ulimit -n)");
+    default:
+      return runtimeError(where.string(), text);
   }
 }
 

@@ -50,7 +50,8 @@ enum class LockKind { Shared, Exclusive };
 
 /// One error for what the file system refuses. A full disk (ENOSPC, EDQUOT, EFBIG) is told so that a user can
 /// mend it.
-[[nodiscard]] Error storageError(const std::filesystem::path& where, const std::string& what, int errorNumber);
+[[nodiscard]] Error storageError(const std::filesystem::path& where, const std::string& what,
+                                 int errorNumber);
 
 /// Writes a folder's own names to the disk, so that a rename survives a power cut.
 void syncFolder(const std::filesystem::path& folder);

@@ -47,7 +47,8 @@ class UnpublishedFile {
   Status publishAs(const std::filesystem::path& path);
 
  private:
-  UnpublishedFile(FileHandle file, std::filesystem::path path) : file_(std::move(file)), path_(std::move(path)) {}
+  UnpublishedFile(FileHandle file, std::filesystem::path path)
+      : file_(std::move(file)), path_(std::move(path)) {}
   FileHandle file_;
   std::filesystem::path path_;  ///< empty once published
 };

@@ -69,7 +69,8 @@ TEST_F(DamageTest, EveryTruncationOfAPackLeavesWhatStandsBeforeIt) {
     SCOPED_TRACE(length);
     overwrite(pack_, good_.substr(0, length));
     std::size_t whole = 0;
-    for (const auto& [id, asset] : assets_) whole += asset.offset + 56 + asset.place.storedBytes <= length;
+    for (const auto& [id, asset] : assets_)
+      whole += asset.offset + 56 + asset.place.storedBytes <= length;
     ASSERT_EQ(readable(*open()), whole);
     // By their places too, without a catalogue.
     auto store = open();
@@ -107,7 +108,8 @@ TEST_F(DamageTest, MendingKeepsWhatIsGoodAndMakesRoomForTheRest) {
     }
     std::string bad = good_;
     if (round % 2 == 0) bad.resize(random() % bad.size());
-    for (int i = 0; i < 3 && !bad.empty(); ++i) bad[random() % bad.size()] ^= 0x10;
+    for (int i = 0; i < 3 && !bad.empty(); ++i)
+      bad[random() % bad.size()] ^= 0x10;
     overwrite(pack_, bad);
     std::size_t before, after;
     {
@@ -116,7 +118,8 @@ TEST_F(DamageTest, MendingKeepsWhatIsGoodAndMakesRoomForTheRest) {
       const auto dropped = store->dropDamaged();
       ASSERT_TRUE(dropped.ok()) << dropped.error().text();
       ASSERT_EQ(readable(*store), before);
-      for (const auto& [id, asset] : assets_) put(*store, asset.bytes, asset.place.kind);
+      for (const auto& [id, asset] : assets_)
+        put(*store, asset.bytes, asset.place.kind);
       ASSERT_TRUE(store->publish().ok());
       ASSERT_EQ(readable(*store), assets_.size());
     }
@@ -194,7 +197,8 @@ TEST_F(DamageTest, EveryTruncatedOrFlippedEntryCountsAsNone) {
     auto entry = store->mapEntry("index");
     return entry.ok() && !entry->has_value() && !fs::exists(path);
   };
-  for (std::size_t length = 0; length < good.size(); ++length) ASSERT_TRUE(isNone(good.substr(0, length)));
+  for (std::size_t length = 0; length < good.size(); ++length)
+    ASSERT_TRUE(isNone(good.substr(0, length)));
   for (std::size_t at = 0; at < good.size(); ++at) {
     std::string bad = good;
     bad[at] = static_cast<char>(bad[at] ^ (1 << (at % 8)));

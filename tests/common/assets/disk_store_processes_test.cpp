@@ -17,7 +17,9 @@ using ProcessesTest = StoreTest;
 
 constexpr std::uint64_t kPool = 200;
 
-std::string poolBytes(std::uint64_t i) { return someBytes(i, 100 + 37 * i); }
+std::string poolBytes(std::uint64_t i) {
+  return someBytes(i, 100 + 37 * i);
+}
 
 /// Writes, reads and maps at random; not 0 where anything but right bytes came.
 int workOnStore(const DiskStore::Options& options, std::uint64_t seed, int steps, bool evicts) {
@@ -45,7 +47,8 @@ int workOnStore(const DiskStore::Options& options, std::uint64_t seed, int steps
         const auto got = (*entry)->bytes();
         std::uint64_t by = 0;
         std::memcpy(&by, got.data(), sizeof by);
-        if (by >= kPool || poolBytes(by) != std::string(reinterpret_cast<const char*>(got.data()), got.size())) {
+        if (by >= kPool ||
+            poolBytes(by) != std::string(reinterpret_cast<const char*>(got.data()), got.size())) {
           return 5;
         }
         break;
@@ -86,20 +89,23 @@ TEST_F(ProcessesTest, WriteReadAndEvictAtOnce) {
   EXPECT_TRUE(filesIn(folder().unpublished()).empty());
   auto store = open();
   EXPECT_GT(store->contents().size(), 0u);
-  for (const auto& content : store->contents()) EXPECT_TRUE(get(*store, content.id));
+  for (const auto& content : store->contents())
+    EXPECT_TRUE(get(*store, content.id));
 }
 
 TEST_F(ProcessesTest, NothingIsEvictedUnderOneThatUsesIt) {
   options_.packBytes = 5000;
   {
     auto store = open();
-    for (std::uint64_t i = 0; i < kPool; ++i) put(*store, poolBytes(i));
+    for (std::uint64_t i = 0; i < kPool; ++i)
+      put(*store, poolBytes(i));
     ASSERT_TRUE(store->publish().ok());
   }
   options_.budgetBytes = 0;
   const pid_t evictor = ::fork();
   if (evictor == 0) {
-    for (;;) open()->evict();
+    for (;;)
+      open()->evict();
   }
   // What uses() grants is there from then on; what it refuses is gone.
   auto store = open();
@@ -135,7 +141,8 @@ TEST_F(ProcessesTest, AWriterKilledAtAnyMomentLeavesNothingHalfWritten) {
     leftovers += filesIn(folder().unpublished()).size();
     store = open();
     ASSERT_TRUE(filesIn(folder().unpublished()).empty());
-    for (const auto& content : store->contents()) ASSERT_TRUE(get(*store, content.id));
+    for (const auto& content : store->contents())
+      ASSERT_TRUE(get(*store, content.id));
     for (int i = 0; i < 5; ++i) {
       const auto entry = store->mapEntry("e" + std::to_string(i));
       ASSERT_TRUE(entry.ok());
@@ -185,7 +192,9 @@ int fillDisk(const DiskStore::Options& options, const std::string& folder) {
   for (const auto& content : (*other)->contents()) {
     if (!(*other)->read(content.id, *(*other)->find(content.id))) return 9;
   }
-  return (*other)->contents().size() == (*store)->contents().size() ? 0 : 10;
+  if ((*other)->contents().size() != (*store)->contents().size()) return 10;
+  const auto dropped = (*other)->dropDamaged();
+  return dropped && *dropped == 0 ? 0 : 11;
 }
 
 TEST_F(ProcessesTest, AFileThatMayNotGrowIsToldAsAFullDisk) {

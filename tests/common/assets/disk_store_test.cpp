@@ -1,6 +1,8 @@
 #include "common/assets/disk_store.h"
 
+#include <atomic>
 #include <map>
+#include <thread>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -142,6 +144,54 @@ TEST_F(DiskStoreTest, SeesWhatOthersPublishLater) {
   }
 }
 
+TEST_F(DiskStoreTest, SeesWhatIsPublishedInTheSameTickOfTheClock) {
+  auto reader = open(), writer = open();
+  const std::string bytes = someBytes(2, 100);
+  const AssetId id = assetIdOf(bytesOf(bytes));
+  put(*writer, bytes);
+  const timespec now[2] = {{0, UTIME_OMIT}, {0, UTIME_NOW}};
+  ASSERT_EQ(::utimensat(AT_FDCWD, folder().packs().c_str(), now, 0), 0);
+  struct stat before {};
+  ASSERT_EQ(::stat(folder().packs().c_str(), &before), 0);
+  EXPECT_FALSE(reader->find(id));
+  ASSERT_TRUE(writer->publish().ok());
+  const timespec same[2] = {{0, UTIME_OMIT}, before.st_mtim};
+  ASSERT_EQ(::utimensat(AT_FDCWD, folder().packs().c_str(), same, 0), 0);
+  EXPECT_EQ(get(*reader, id), bytes);
+}
+
+TEST_F(DiskStoreTest, ServesManyThreads) {
+  options_.packBytes = 10000;
+  auto store = open();
+  std::atomic<int> wrong{0};
+  std::vector<std::thread> threads;
+  for (std::uint64_t t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      std::mt19937_64 random(t);
+      for (int step = 0; step < 300; ++step) {
+        const std::string bytes = someBytes(random() % 50, 500);
+        const AssetId id = assetIdOf(bytesOf(bytes));
+        if (!store->add(id, AssetKind::State, bytesOf(bytes))) ++wrong;
+        if (random() % 100 == 0 && !store->publish()) ++wrong;
+        if (random() % 100 == 0) store->evict();
+        const auto place = store->find(id);
+        if (!place) {
+          ++wrong;
+          continue;
+        }
+        // Published by another thread in between, an asset is in the pack that it was in, under the same
+        // name.
+        const auto got = store->read(id, *place);
+        if (!got || *got != bytes) ++wrong;
+      }
+    });
+  }
+  for (auto& thread : threads)
+    thread.join();
+  EXPECT_EQ(wrong, 0);
+  EXPECT_EQ(store->contents().size(), 50u);
+}
+
 TEST_F(DiskStoreTest, ReadsByAPlaceWithoutACatalogue) {
   const std::string bytes = someBytes(5, 3000);
   const AssetId id = assetIdOf(bytesOf(bytes));
@@ -158,10 +208,17 @@ TEST_F(DiskStoreTest, ReadsByAPlaceWithoutACatalogue) {
   for (int i = 0; i < 2000; ++i) {
     StoredAsset wrong = place;
     switch (random() % 4) {
-      case 0: wrong.offset = random() % 2 == 0 ? random() : random() % 5000; break;
-      case 1: wrong.storedBytes = static_cast<std::uint32_t>(random()); break;
-      case 2: wrong.bytes = static_cast<std::uint32_t>(random()); break;
-      default: wrong.kind = static_cast<AssetKind>(random() % 256);
+      case 0:
+        wrong.offset = random() % 2 == 0 ? random() : random() % 5000;
+        break;
+      case 1:
+        wrong.storedBytes = static_cast<std::uint32_t>(random());
+        break;
+      case 2:
+        wrong.bytes = static_cast<std::uint32_t>(random());
+        break;
+      default:
+        wrong.kind = static_cast<AssetKind>(random() % 256);
     }
     if (wrong == place) continue;
     ReadProblem problem{};
@@ -188,7 +245,8 @@ TEST_F(DiskStoreTest, EntriesAreCopiesOnWrite) {
   auto first = *store->mapEntry("index");
   ASSERT_TRUE(first);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(first->bytes().data()) % 64, 0u);
-  for (std::byte& b : first->bytes()) b = std::byte{7};
+  for (std::byte& b : first->bytes())
+    b = std::byte{7};
   auto second = *store->mapEntry("index");
   EXPECT_EQ(std::memcmp(second->bytes().data(), bytes.data(), bytes.size()), 0);
   *second = std::move(*first);
@@ -217,7 +275,8 @@ TEST_F(DiskStoreTest, EvictsTheLeastRecentlyUsedFirst) {
   ASSERT_TRUE(store->putEntry("new", bytesOf(someBytes(2, 10000))).ok());
   std::mt19937 random(3);
   std::shuffle(packs.begin(), packs.end(), random);
-  for (std::size_t i = 0; i < packs.size(); ++i) setUsed(packs[i].first, 1000 + static_cast<int>(i));
+  for (std::size_t i = 0; i < packs.size(); ++i)
+    setUsed(packs[i].first, 1000 + static_cast<int>(i));
   setUsed(folder().entries() / "old", 500);
   setUsed(folder().entries() / "new", 5000);
   // A file that is not of the store neither counts nor goes.

@@ -19,7 +19,9 @@
 
 namespace tessera::test {
 
-inline std::span<const std::byte> bytesOf(const std::string& text) { return std::as_bytes(std::span(text)); }
+inline std::span<const std::byte> bytesOf(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
 
 /// Bytes by seed; every second one packs well.
 inline std::string someBytes(std::uint64_t seed, std::size_t bytes) {
@@ -36,7 +38,8 @@ inline std::string someBytes(std::uint64_t seed, std::size_t bytes) {
 
 inline std::vector<std::filesystem::path> filesIn(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
