@@ -35,8 +35,8 @@ struct EntryHeader {
 };
 static_assert(sizeof(EntryHeader) == 192);
 
-/// SHA-256 and not a short checksum: what an entry says is used as it is, it is the library at hand that
-/// assets are named by, and it is faster than disks are.
+/// SHA-256 and not a short checksum, for what an entry says is used as it is: no damage may pass by chance.
+/// It costs a quarter of a second for 100 MB on a processor without instructions for it.
 class Sha256 {
  public:
   Sha256() { EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr); }
