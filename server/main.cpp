@@ -6,6 +6,7 @@
 
 #include "common/base/log.h"
 #include "server/commands/commands.h"
+#include "server/importer/import_process.h"
 
 namespace {
 
@@ -18,12 +19,16 @@ int fail(const tessera::Error& error) {
 
 int main(int argc, char** argv) {
   tessera::initLog("tessera");
+  // Not for users: what openScene starts.
+  if (argc == 2 && std::string_view(argv[1]) == tessera::kImportWorkerCommand)
+    return tessera::runImportWorker();
   CLI::App app{"A tiled display wall: one master culls the scene and sends each tile what it sees."};
   app.set_version_flag("--version", TESSERA_VERSION);
   app.require_subcommand(1);
   std::vector<tessera::Command> commands;
   tessera::addRunCommand(app, commands);
   tessera::addServeCommand(app, commands);
+  tessera::addImportCommand(app, commands);
   tessera::addCheckCommand(app, commands);
   tessera::addCullCommand(app, commands);
   tessera::addBenchCommands(app, commands);

@@ -48,7 +48,9 @@ class Column {
   [[nodiscard]] const T* data() const { return data_; }
   [[nodiscard]] std::span<const T> rows() const { return {data_, size_}; }
 
-  void reserve(std::size_t count) { changeRows([&](std::vector<T>& rows) { rows.reserve(count); }); }
+  void reserve(std::size_t count) {
+    changeRows([&](std::vector<T>& rows) { rows.reserve(count); });
+  }
   void assign(std::size_t count, const T& row) {
     changeRows([&](std::vector<T>& rows) { rows.assign(count, row); });
   }

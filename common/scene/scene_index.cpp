@@ -29,12 +29,8 @@ std::string factsOf(const Scene& scene, const std::vector<SceneDependency>& depe
   Json files = Json::array();
   for (const SceneDependency& file : dependencies)
     files.push_back({file.path, file.sha256});
-  return Json{{"version", kSceneIndexVersion},
-              {"source", scene.source},
-              {"gltf", scene.isGltf},
-              {"graph_leaves", scene.graphLeafCount},
-              {"warnings", scene.warnings},
-              {"dependencies", files}}
+  return Json{{"version", kSceneIndexVersion},        {"source", scene.source},     {"gltf", scene.isGltf},
+              {"graph_leaves", scene.graphLeafCount}, {"warnings", scene.warnings}, {"dependencies", files}}
       .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -16,6 +16,7 @@ struct Command {
 };
 
 void addRunCommand(CLI::App& tessera, std::vector<Command>& commands);
+void addImportCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addServeCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addCheckCommand(CLI::App& tessera, std::vector<Command>& commands);
 void addCullCommand(CLI::App& tessera, std::vector<Command>& commands);

@@ -1,6 +1,7 @@
 #include "server/commands/inputs.h"
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <numbers>
 
@@ -8,6 +9,7 @@
 
 #include "common/cull/footprint/kernels.h"
 #include "common/wall/wall_file.h"
+#include "server/commands/progress.h"
 #include "server/default_camera.h"
 
 namespace tessera {
@@ -41,6 +43,31 @@ void InputFiles::addScene(CLI::App& app) {
       ->required()
       ->envname("TESSERA_SCENE");
   addUp(app);
+  addStore(app);
+}
+
+void InputFiles::addStore(CLI::App& app) {
+  const char* group = "Imported scenes";
+  app.add_option("--store", store,
+                 "Folder in which imported scenes are kept; default: $XDG_CACHE_HOME/tessera/scenes or "
+                 "~/.cache/tessera/scenes")
+      ->group(group)
+      ->envname("TESSERA_STORE");
+  app.add_option("--store-budget", storeBudgetBytes,
+                 "Most bytes that the folder may take, such as 4GB; what was not used longest goes first")
+      ->group(group)
+      ->transform(CLI::AsSizeValue(false))
+      ->envname("TESSERA_STORE_BUDGET");
+  app.add_option("--import-timeout", importTimeoutS, "Seconds that an import may take")
+      ->group(group)
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 86400.0))
+      ->envname("TESSERA_IMPORT_TIMEOUT");
+  app.add_option("--import-memory", importMemoryBytes,
+                 "Memory that an import may take, such as 4GB; default: three quarters of the machine's")
+      ->group(group)
+      ->transform(CLI::AsSizeValue(false))
+      ->envname("TESSERA_IMPORT_MEMORY");
 }
 
 void InputFiles::addUp(CLI::App& app) {
@@ -114,15 +141,37 @@ UpAxis InputFiles::upAxis() const {
   return up == "y" ? UpAxis::Y : up == "z" ? UpAxis::Z : UpAxis::Auto;
 }
 
-Result<Scene> InputFiles::readScene() const {
-  auto read = loadScene(scene, {.up = upAxis(),
-                                .hierarchy = *hierarchyFromName(hierarchy),
-                                .maxTrianglesPerLeaf = maxTrianglesPerLeaf});
-  if (read) {
-    for (const std::string& warning : read->warnings)
+Result<OpenedScene> InputFiles::openScene() const {
+  constexpr std::uint64_t kPercent = 100;
+  Progress progress("% imported", kPercent);
+  const auto start = std::chrono::steady_clock::now();
+  SceneStoreOptions options;
+  options.folder = store;
+  options.budgetBytes = storeBudgetBytes;
+  options.limits = {.time = std::chrono::milliseconds(static_cast<long long>(importTimeoutS * 1000)),
+                    .memoryBytes = importMemoryBytes};
+  options.progress = [&](double share) {
+    // Most imports are done before anybody has read a line.
+    if (std::chrono::steady_clock::now() - start < std::chrono::seconds(2)) return;
+    progress.update(static_cast<std::uint64_t>(share * kPercent));
+  };
+  auto opened = tessera::openScene({.scene = scene,
+                                    .up = upAxis(),
+                                    .hierarchy = *hierarchyFromName(hierarchy),
+                                    .maxTrianglesPerLeaf = maxTrianglesPerLeaf},
+                                   options);
+  progress.finish();
+  if (opened) {
+    for (const std::string& warning : opened->scene.warnings)
       spdlog::warn("{}: {}", scene, warning);
   }
-  return read;
+  return opened;
+}
+
+Result<Scene> InputFiles::readScene() const {
+  auto opened = openScene();
+  if (!opened) return opened.error();
+  return std::move(opened->scene);
 }
 
 Result<CameraPath> InputFiles::readCamera() const {

@@ -12,6 +12,7 @@
 #include "common/scene/scene.h"
 #include "common/wall/camera_path.h"
 #include "common/wall/wall.h"
+#include "server/importer/scene_store.h"
 #include "server/master/run_report.h"
 
 namespace tessera {
@@ -23,10 +24,16 @@ struct InputFiles {
   std::optional<double> fovYDeg, near, far, scale;
   std::vector<double> eyeM;
   std::uint64_t maxTrianglesPerLeaf = 0;
+  // The store of imported scenes.
+  std::string store;
+  std::uint64_t storeBudgetBytes = std::uint64_t{16} << 30, importMemoryBytes = 0;
+  double importTimeoutS = 600;
 
   void addWall(CLI::App& app);
   void addScene(CLI::App& app);
   void addUp(CLI::App& app);
+  /// --store and the limits of imports; addScene does it, too.
+  void addStore(CLI::App& app);
   /// --hierarchy and --mtpl.
   void addHierarchy(CLI::App& app);
   void addCamera(CLI::App& app);
@@ -36,6 +43,8 @@ struct InputFiles {
   [[nodiscard]] Status override(Wall& read) const;
   /// Reads and logs the warnings.
   [[nodiscard]] Result<Wall> readWall() const;
+  /// From the store, imported before where need be, with a progress bar. Logs the warnings.
+  [[nodiscard]] Result<OpenedScene> openScene() const;
   [[nodiscard]] Result<Scene> readScene() const;
   /// The shipped orbit where no file is named.
   [[nodiscard]] Result<CameraPath> readCamera() const;

@@ -80,7 +80,8 @@ Result<ImportedGraph> importGltf(const std::filesystem::path& path) {
     if (graph) return graph;
     error = graph.error();
   } catch (const std::bad_alloc&) {
-    error = runtimeError({}, "needs more memory than there is", "import it on a larger machine, or split it");
+    error = runtimeError({}, "needs more memory than it may have",
+                         "give it more with --import-memory, or split it");
   }
   error.where = path.string();
   return error;
