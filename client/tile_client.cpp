@@ -10,7 +10,7 @@
 #include "client/tile_view.h"
 #include "common/base/host.h"
 #include "proto/codec.h"
-#include "proto/list_codec.h"
+#include "proto/list_coder.h"
 
 namespace tessera {
 
@@ -111,17 +111,12 @@ class TileConversation {
     // The list of the last frame is the only one that was acknowledged last.
     if (frame.baseFrame != 0 && frame.baseFrame != frame_)
       return runtimeError(nameOf(frame), "builds on a list that is not here");
-    if (frame.baseFrame == 0) list_.clear();
-    if (Status status = proto::applyListDeltaInto(list_, frame.toggles, welcome_.leafCount, nextList_);
-        !status) {
-      return status;
-    }
-    std::swap(list_, nextList_);
-    if (leafCount(list_) != frame.listLeafCount)
+    if (frame.baseFrame == 0) list_.reset();
+    if (Status status = list_.decode(frame.toggles); !status) return status;
+    if (leafCount(list_.list()) != frame.listLeafCount)
       return runtimeError(nameOf(frame), "has a list of the wrong length");
     // What was listed before is here.
-    symmetricDifferenceInto(list_, nextList_, toggled_);
-    for (const LeafRange range : toggled_) {
+    for (const LeafRange range : list_.toggled()) {
       for (std::uint32_t leaf = range.first; leaf != range.last; ++leaf) {
         if (!cache_.has(leaf))
           return runtimeError(nameOf(frame), "lists leaf " + std::to_string(leaf) + ", which was not sent");
@@ -131,7 +126,7 @@ class TileConversation {
     wantPicture_ = frame.wantPicture;
     const std::int64_t start = monotonicNs();
     if (view_) {
-      if (frame.toggles.size() > 1) view_->setList(list_, cache_);
+      if (frame.baseFrame == 0 || !frame.toggles.empty()) view_->setList(list_.list(), cache_);
       if (Status status = view_->draw(frame, factsOf(frame)); !status) return status;
       surface_->finish();
     }
@@ -203,7 +198,7 @@ class TileConversation {
   bool stopped_ = false;
   TileCache cache_;
   std::optional<TileView> view_;
-  VisibleList list_, nextList_, toggled_;
+  proto::ListDecoder list_{welcome_.leafCount};
   FrameRate rate_;
   std::uint64_t frame_ = 0, framesShown_ = 0, bytesReceived_ = 0;
   bool hasSetup_ = false;

@@ -26,7 +26,7 @@ namespace tessera::proto {
 // makes room for, that many bytes.
 
 inline constexpr std::uint32_t kMagic = 0x41525354;  // "TSRA" as the bytes lie on the wire
-inline constexpr std::uint16_t kProtocolVersion = 1;
+inline constexpr std::uint16_t kProtocolVersion = 2;
 inline constexpr std::size_t kHeaderBytes = 20;
 
 /// Numbers on the wire; they never change their meaning.

@@ -132,7 +132,7 @@ struct Frame {
   std::array<Vec3, 4> corners = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< as in Frustum
   double nearM = 1, farM = 2;                                                              ///< 0 < near < far
   Vec3 right = Vec3::UnitX(), up = Vec3::UnitY();  ///< axes of the image, of unit length, at right angles
-  std::span<const std::byte> toggles = {};         ///< a list delta, see list_codec.h
+  std::span<const std::byte> toggles = {};         ///< a delta, see list_coder.h
   std::uint32_t listLeafCount = 0;                 ///< leaves in the resulting list, as a check
   bool wantPicture = false;                        ///< Shown shall carry the picture
   bool overlay = false;                            ///< statistics in a corner of the picture

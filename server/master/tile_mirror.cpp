@@ -5,8 +5,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "proto/list_codec.h"
-
 namespace tessera {
 
 namespace {
@@ -96,7 +94,8 @@ TileMirror::Sent TileMirror::send(net::Connection& connection, proto::Encoder& e
   const std::uint64_t had = order.baseFrame == 0 ? 0 : baseLeafCount_;
   const std::uint64_t came = (leafCount(*order.toggled) + order.leafCount - had) / 2;
   sent.hits = static_cast<std::uint32_t>(came) - sent.leaves;
-  proto::encodeToggles(*order.toggled, delta_);
+  if (order.baseFrame == 0) list_.reset();
+  list_.encode(*order.toggled, delta_);
 
   proto::Frame message;
   message.frame = order.frame;

@@ -9,6 +9,7 @@
 #include "common/scene/scene.h"
 #include "common/wall/wall.h"
 #include "proto/codec.h"
+#include "proto/list_coder.h"
 
 namespace tessera {
 
@@ -29,12 +30,15 @@ struct Display {
 /// is. Used by the frame loop alone. `scene` outlives it and every message still queued.
 ///
 /// A tile that acknowledged the frame before is told what toggled since. One that has not (it fell behind, or
-/// has just come) is sent the whole list, against the empty one: that happens rarely, and no list need be
-/// kept here.
+/// has just come) is sent the whole list, against the empty one: that happens rarely, and no earlier list
+/// need be kept here.
 class TileMirror {
  public:
   explicit TileMirror(const Scene& scene)
-      : scene_(&scene), knownLeaves_(scene.leaves.size(), false), knownAssets_(scene.assets.size(), false) {}
+      : scene_(&scene),
+        knownLeaves_(scene.leaves.size(), false),
+        knownAssets_(scene.assets.size(), false),
+        list_(static_cast<std::uint32_t>(scene.leaves.size())) {}
 
   /// Forgets everything when another process has taken the tile.
   void follow(std::uint64_t session);
@@ -82,6 +86,7 @@ class TileMirror {
   std::vector<bool> knownLeaves_, knownAssets_;
   std::uint64_t baseFrame_ = 0, pendingFrame_ = 0;
   std::uint32_t baseLeafCount_ = 0, pendingLeafCount_ = 0;
+  proto::ListEncoder list_;  ///< as of the frame that was sent last
   std::vector<std::byte> delta_;
   std::vector<std::uint32_t> missingAssets_, missingLeaves_;
 };

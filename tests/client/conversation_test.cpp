@@ -135,11 +135,9 @@ class Conversation : public ::testing::Test {
   }
 
   static proto::Frame frame(std::uint64_t number) {
-    static constexpr std::byte kNothing[] = {std::byte{0}};
     proto::Frame frame;
     frame.frame = number;
     frame.corners = {Vec3(-1, -1, -1), Vec3(1, -1, -1), Vec3(1, 1, -1), Vec3(-1, 1, -1)};
-    frame.toggles = kNothing;
     frame.wantPicture = true;
     return frame;
   }

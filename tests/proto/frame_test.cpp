@@ -42,7 +42,7 @@ HeaderBytes resealed(HeaderBytes bytes) {
 TEST(Frame, HeaderIsWrittenByteByByteAsDocumented) {
   const HeaderBytes bytes =
       written({.type = MessageType::Frame, .payloadBytes = 0x00030201, .payloadCrc32c = 0xA4A3A2A1});
-  const std::array<unsigned, 16> expected = {'T', 'S', 'R', 'A', 1,    0,    5,    0,
+  const std::array<unsigned, 16> expected = {'T', 'S', 'R', 'A', 2,    0,    5,    0,
                                              1,   2,   3,   0,   0xA1, 0xA2, 0xA3, 0xA4};
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(std::to_integer<unsigned>(bytes[i]), expected[i]) << i;
@@ -74,7 +74,7 @@ TEST(Frame, AnotherVersionIsNamedWhateverFollows) {
   storeLittleEndian(std::uint16_t{7}, std::span(bytes).subspan<4, 2>());
   const auto parsed = parseHeader(bytes);
   EXPECT_EQ(errorOf(parsed), ProtocolError::WrongVersion);
-  EXPECT_NE(parsed.error().text().find("theirs 7, ours 1"), std::string::npos) << parsed.error().text();
+  EXPECT_NE(parsed.error().text().find("theirs 7, ours 2"), std::string::npos) << parsed.error().text();
 }
 
 TEST(Frame, UnknownTypesAreRefused) {

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "common/wall/wall_file.h"
-#include "proto/list_codec.h"
+#include "proto/list_coder.h"
 #include "server/master/master.h"
 
 namespace {
@@ -90,8 +90,10 @@ class FakeTile {
         fault_ = message.error().text();
         break;
       }
-      if (message->type == proto::MessageType::Welcome)
+      if (message->type == proto::MessageType::Welcome) {
         leafCount_ = proto::decodeWelcome(message->payload)->leafCount;
+        list_ = proto::ListDecoder(leafCount_);
+      }
       if (message->type == proto::MessageType::Leaves) {
         known_.resize(leafCount_);
         const auto leaves = proto::decodeLeaves(message->payload);
@@ -126,15 +128,13 @@ class FakeTile {
     if (frame.baseFrame != 0 && frame.baseFrame != frame_)
       fault_ = "a frame builds on a list that is not here";
     if (frame.baseFrame == 0) {
-      list_.clear();
+      list_.reset();
       ++wholeLists_;
     }
-    VisibleList now;
-    if (!proto::applyListDeltaInto(list_, frame.toggles, leafCount_, now)) fault_ = "a delta is refused";
-    list_ = std::move(now);
-    if (leafCount(list_) != frame.listLeafCount) fault_ = "a list is not as long as it should be";
+    if (!list_.decode(frame.toggles)) fault_ = "a delta is refused";
+    if (leafCount(list_.list()) != frame.listLeafCount) fault_ = "a list is not as long as it should be";
     known_.resize(leafCount_);
-    forEachLeaf(list_, [this](std::uint32_t leaf) {
+    forEachLeaf(list_.list(), [this](std::uint32_t leaf) {
       if (!known_[leaf]) fault_ = "a leaf is listed that was not sent";
     });
     frame_ = frame.frame;
@@ -142,7 +142,7 @@ class FakeTile {
 
   std::uint32_t leafCount_ = 0;
   std::vector<bool> known_;
-  VisibleList list_;
+  proto::ListDecoder list_{0};
   std::uint64_t frame_ = 0, framesShown_ = 0, wholeLists_ = 0, slowFrame_ = 0;
   std::chrono::milliseconds slowness_{0};
   std::string fault_;
