@@ -44,7 +44,8 @@ Result<StoredAsset> DiskStore::add(const AssetId& id, AssetKind kind, std::span<
                       "cut it into smaller ones");
   }
   const std::lock_guard lock(state_->mutex);
-  if (const auto there = state_->find(id)) return *there;
+  // One that is there counts as used: it must not be the next that is evicted.
+  if (const auto there = state_->findAndUse(id)) return *there;
   return state_->append(id, kind, bytes);
 }
 

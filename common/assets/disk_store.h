@@ -62,7 +62,8 @@ class DiskStore {
                                          ReadProblem* problem = nullptr) const;
 
   /// Removes the packs that turned out to be damaged; what is still good in them is first written to a new
-  /// one. Packs that another process uses stay. Returns how many were removed.
+  /// one, where find() gives it from then on. Processes that use such a pack have it open and read on.
+  /// Returns how many were removed. To be called before what was damaged is added again, at the latest.
   Result<std::size_t> dropDamaged();
 
   /// Writes an entry, in place of one of the same name. Names are 1 to 128 letters, digits, '.', '_', '-'.

@@ -154,6 +154,31 @@ std::shared_ptr<OpenPack> DiskStore::State::openPack(const PackId& id, int& erro
   return pack;
 }
 
+bool DiskStore::State::noteUse(OpenPack& pack) const {
+  const auto now = std::chrono::steady_clock::now();
+  if (pack.touched && now - *pack.touched < kTouchEvery) return false;
+  pack.touched = now;
+  if (options.mayWrite) touch(pack.file.fd());
+  return true;
+}
+
+std::optional<StoredAsset> DiskStore::State::findAndUse(const AssetId& id) {
+  for (;;) {
+    const auto place = find(id);
+    if (!place || (writer && writer->id() == place->pack)) return place;
+    int error = 0;
+    const std::shared_ptr<OpenPack> pack = openPack(place->pack, error);
+    if (pack && isStillAt(pack->file.fd(), folder.pack(place->pack))) {
+      noteUse(*pack);
+      return place;
+    }
+    // Evicted by another process; there may be another copy. That the machine refuses is no reason to look
+    // on.
+    if (!pack && error != ENOENT) return std::nullopt;
+    forgetPacks({place->pack});
+  }
+}
+
 Result<std::string> DiskStore::State::read(const AssetId& id, const StoredAsset& place,
                                            ReadProblem& problem) {
   const fs::path path = folder.pack(place.pack);
@@ -176,13 +201,8 @@ Result<std::string> DiskStore::State::read(const AssetId& id, const StoredAsset&
       problem = ReadProblem::Failed;
       return storageError(path, "cannot be opened", error);
     }
-    const auto now = std::chrono::steady_clock::now();
-    if (now - pack->touched > kTouchEvery) {
-      pack->touched = now;
-      if (options.mayWrite) touch(pack->file.fd());
-      // What somebody evicted is read to the end but not held on to, for its space is only then free.
-      if (!isStillAt(pack->file.fd(), path)) forgetPacks({place.pack});
-    }
+    // What somebody evicted is read to the end but not held on to, for its space is only then free.
+    if (noteUse(*pack) && !isStillAt(pack->file.fd(), path)) forgetPacks({place.pack});
   }
   auto bytes = readRecord(pack->file.fd(), path.string(), id, place, problem);
   if (!bytes && problem == ReadProblem::Damaged) {

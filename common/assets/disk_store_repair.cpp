@@ -16,7 +16,10 @@ namespace tessera {
 bool DiskStore::State::salvage(const PackId& id, Status& status) {
   const std::filesystem::path path = folder.pack(id);
   const FileHandle file = openFile(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
-  if (!file.isOpen()) return false;
+  if (!file.isOpen()) {
+    if (errno == ENOENT) damaged.erase(id);
+    return false;
+  }
   const PackContents contents = readContents(file.fd());
   if (contents.state == PackContents::State::Failed) return false;
   bool isWhole = contents.state == PackContents::State::Good;
@@ -57,10 +60,6 @@ Result<std::size_t> DiskStore::dropDamaged() {
   state.refresh();
   std::set<PackId> removed;
   for (const PackId& id : std::set<PackId>(state.damaged)) {
-    state.openPacks.erase(id);  // Should this store use it, then it needs to no longer.
-    const std::filesystem::path path = state.folder.pack(id);
-    const FileHandle file = openFile(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
-    if (!file.isOpen() || !tryLock(file.fd(), LockKind::Exclusive)) continue;
     Status status = Done{};
     if (!state.salvage(id, status)) {
       if (!status) return status.error();
@@ -68,7 +67,7 @@ Result<std::size_t> DiskStore::dropDamaged() {
     }
     // What was good must be safe in its new place before the old one goes.
     if (Status done = state.publish(); !done) return done.error();
-    if (isStillAt(file.fd(), path)) ::unlink(path.c_str());
+    ::unlink(state.folder.pack(id).c_str());
     removed.insert(id);
     state.forgetPacks({id});
   }

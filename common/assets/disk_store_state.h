@@ -19,7 +19,7 @@ namespace tessera {
 struct OpenPack {
   FileHandle file;
   bool isUsed = false;  ///< locked against eviction
-  std::chrono::steady_clock::time_point touched{};
+  std::optional<std::chrono::steady_clock::time_point> touched;
   std::uint64_t lastRead = 0;
 };
 
@@ -49,6 +49,8 @@ struct DiskStore::State {
   Result<StoredAsset> append(const AssetId& id, AssetKind kind, std::span<const std::byte> bytes);
   std::shared_ptr<OpenPack> openPack(const PackId& id, int& errorNumber);
   std::optional<StoredAsset> find(const AssetId& id);
+  std::optional<StoredAsset> findAndUse(const AssetId& id);
+  bool noteUse(OpenPack& pack) const;
 
   // To be called without it.
   Result<std::string> read(const AssetId& id, const StoredAsset& place, ReadProblem& problem);

@@ -172,17 +172,27 @@ TEST_F(DamageTest, APackThatIsCutWhileInUseIsAnErrorAndNoMore) {
   EXPECT_EQ(get(*store, other_), someBytes(100, 50));
 }
 
-TEST_F(DamageTest, ADamagedPackThatAnotherProcessUsesStays) {
+TEST_F(DamageTest, ADamagedPackIsReplacedUnderThoseWhoUseIt) {
   fill();
   auto user = open();
+  readable(*user);
   ASSERT_TRUE(user->uses(assets_.begin()->second.place.pack).ok());
-  fs::resize_file(pack_, 300);
+  fs::resize_file(pack_, 500);
   auto store = open();
-  readable(*store);
-  EXPECT_EQ(*store->dropDamaged(), 0u);
-  EXPECT_TRUE(fs::exists(pack_));
-  user.reset();
+  const std::size_t before = readable(*store);
+  EXPECT_GT(before, 0u);
   EXPECT_EQ(*store->dropDamaged(), 1u);
+  EXPECT_FALSE(fs::exists(pack_));
+  EXPECT_EQ(readable(*store), before);
+  std::size_t good = 0;
+  for (const auto& [id, asset] : assets_)
+    good += user->read(id, asset.place).ok();
+  EXPECT_EQ(good, before);
+  for (const auto& [id, asset] : assets_)
+    put(*store, asset.bytes, asset.place.kind);
+  ASSERT_TRUE(store->publish().ok());
+  readable(*user);  // Meets what is lost, once.
+  EXPECT_EQ(readable(*user), assets_.size());
 }
 
 TEST_F(DamageTest, EveryTruncatedOrFlippedEntryCountsAsNone) {

@@ -358,6 +358,24 @@ TEST_F(DiskStoreTest, UsingAndReadingIsRemembered) {
   EXPECT_EQ(open()->evict().removed, 0u);
 }
 
+TEST_F(DiskStoreTest, AddingWhatIsThereUsesItAndWritesAnewWhatWasEvicted) {
+  auto store = open();
+  const std::string bytes = someBytes(2, 1000);
+  const AssetId id = put(*store, bytes);
+  const fs::path path = folder().pack(store->find(id)->pack);
+  ASSERT_TRUE(store->publish().ok());
+  setUsed(path, 1000);
+  auto other = open();
+  put(*other, bytes);
+  EXPECT_GT(usedAt(path), 1000);
+  EXPECT_EQ(filesIn(folder().packs()).size(), 1u);
+  ASSERT_TRUE(fs::remove(path));
+  put(*other, bytes);
+  ASSERT_TRUE(other->publish().ok());
+  EXPECT_EQ(get(*other, id), bytes);
+  EXPECT_EQ(get(*open(), id), bytes);
+}
+
 TEST_F(DiskStoreTest, AnotherVersionsPacksAreLeftAlone) {
   auto store = open();
   const AssetId id = put(*store, someBytes(2, 100));
