@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <new>
 
 #include "common/scene/extract.h"
 #include "common/scene/gltf/import_gltf.h"
@@ -32,7 +33,9 @@ Result<ImportedGraph> importGraph(const std::filesystem::path& path, UpAxis up) 
   return importOsg(path, up == UpAxis::Auto ? lowerExtension(path) != ".ac" : up == UpAxis::Z);
 }
 
-Result<LoadedScene> loadSceneWithFiles(const std::filesystem::path& path, const LoadOptions& options) {
+namespace {
+
+Result<LoadedScene> load(const std::filesystem::path& path, const LoadOptions& options) {
   // Reading a file takes about as long as making assets of what was read.
   const auto tell = [&](double share) {
     if (options.progress) options.progress(share);
@@ -52,6 +55,17 @@ Result<LoadedScene> loadSceneWithFiles(const std::filesystem::path& path, const 
   tell(1);
   loaded.scene = std::move(*scene);
   return loaded;
+}
+
+}  // namespace
+
+Result<LoadedScene> loadSceneWithFiles(const std::filesystem::path& path, const LoadOptions& options) {
+  try {
+    return load(path, options);
+  } catch (const std::bad_alloc&) {
+    return runtimeError(path.string(), "needs more memory than there is",
+                        "import it on a larger machine, or split it");
+  }
 }
 
 Result<Scene> loadScene(const std::filesystem::path& path, const LoadOptions& options) {

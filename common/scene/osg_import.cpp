@@ -1,6 +1,9 @@
 #include "common/scene/osg_import.h"
 
+#include <exception>
+#include <new>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <osg/MatrixTransform>
@@ -91,10 +94,19 @@ Result<ImportedGraph> importOsg(const std::filesystem::path& path, bool isZUp) {
   options->setObjectCacheHint(osgDB::Options::CACHE_NONE);
   ImportedGraph graph;
   const RegisteredFiles registered(new FilesOfScene(folder, graph.files));
-  osgDB::ReaderWriter::ReadResult read = osgDB::Registry::instance()->readNode(path.string(), options, false);
-  osg::ref_ptr<osg::Node> node = read.getNode();
+  osg::ref_ptr<osg::Node> node;
+  std::string why;
+  try {
+    osgDB::ReaderWriter::ReadResult read =
+        osgDB::Registry::instance()->readNode(path.string(), options, false);
+    node = read.getNode();
+    why = read.message();
+  } catch (const std::bad_alloc&) {
+    return runtimeError(path.string(), "needs more memory than there is", "is it complete and of that kind?");
+  } catch (const std::exception& e) {  // Readers take sizes from the file: vector and string throw.
+    why = e.what();
+  }
   if (!node) {
-    const std::string why = read.message();
     return inputError(path.string(), "cannot be read as ." + extension + (why.empty() ? "" : ": " + why),
                       "is it complete and of that kind?");
   }
