@@ -38,6 +38,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxSceneBytes = 2'600'000;
 constexpr std::chrono::seconds kDeadline{20};
 constexpr std::size_t kAtOnce = 2;
+constexpr std::uint64_t kReportEvery = 500;
 
 std::uint64_t setting(const char* name, std::uint64_t otherwise) {
   const char* text = std::getenv(name);
@@ -198,6 +199,7 @@ void report(const std::map<std::string, Counts>& counts) {
       std::printf("%11llu", static_cast<unsigned long long>(n));
     std::printf("\n");
   }
+  std::fflush(stdout);
 }
 
 TEST(SceneMutants, HarmNobody) {
@@ -212,7 +214,7 @@ TEST(SceneMutants, HarmNobody) {
 
   std::map<std::string, Counts> counts;
   std::vector<Running> running;
-  std::uint64_t seed = first;
+  std::uint64_t seed = first, judged = 0;
   const auto judge = [&](const Running& one) {
     const ImportEnd end = one.import->end();
     ++counts[one.original->extension].ends[static_cast<std::size_t>(end)];
@@ -233,6 +235,7 @@ TEST(SceneMutants, HarmNobody) {
       std::printf("%s\n", story.substr(0, 200).c_str());
     }
     fs::remove(one.file);
+    if (++judged % kReportEvery == 0) report(counts);
   };
   while (seed <= last || !running.empty()) {
     while (seed <= last && running.size() < kAtOnce) {
