@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 
 #include "common/assets/disk_store.h"
+#include "common/base/sandbox.h"
 #include "tests/common/assets/store_fixture.h"
 
 namespace tessera::test {
@@ -159,6 +160,32 @@ TEST_F(ProcessesTest, OpeningLeavesTheFilesOfTheLivingAlone) {
   EXPECT_EQ(inChild([&] { return open() ? 0 : 1; }), 0);
   ASSERT_TRUE(writer->publish().ok());
   EXPECT_TRUE(get(*open(), id));
+}
+
+TEST_F(ProcessesTest, AConfinedProcessFillsAndMendsAStore) {
+  ASSERT_TRUE(open());  // A folder must be there before a process is confined to it.
+  const std::string bytes = someBytes(2, 1000);
+  const AssetId id = assetIdOf(bytesOf(bytes));
+  const int outcome = inChild([&] {
+    const auto done = confine({.readable = systemReadable(), .writable = {options_.folder}});
+    if (!done) return 1;
+    if (!done->files) return 77;
+    options_.budgetBytes = 0;
+    auto store = DiskStore::open(options_);
+    if (!store || !(*store)->add(id, AssetKind::Image, bytesOf(bytes)) || !(*store)->publish()) return 2;
+    if (get(**store, id) != bytes || !(*store)->uses((*store)->find(id)->pack)) return 3;
+    if (!(*store)->putEntry("index", bytesOf(bytes)) || !(*store)->putEntry("index", bytesOf(bytes)))
+      return 4;
+    {
+      auto entry = (*store)->mapEntry("index");
+      if (!entry || !*entry || (*entry)->bytes().size() != bytes.size()) return 5;
+    }
+    if (!(*store)->putEntry("other", bytesOf(bytes)) || (*store)->evict().removed != 2) return 6;
+    return (*store)->dropDamaged() ? 0 : 7;
+  });
+  if (outcome == 77) GTEST_SKIP() << "this kernel cannot hold files back";
+  EXPECT_EQ(outcome, 0);
+  EXPECT_EQ(get(*open(), id), bytes);
 }
 
 /// Adds until the disk is full. 0: all errors were told well, and nothing half-written was seen.
