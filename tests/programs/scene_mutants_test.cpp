@@ -52,7 +52,8 @@ class Traps {
     fs::create_directories(folder);
     std::ofstream(file_) << "canary";
     watch_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-    ::inotify_add_watch(watch_, folder.c_str(), IN_OPEN | IN_ACCESS | IN_MODIFY);
+    // The file and not its folder: whoever lists folders meanwhile is not meant.
+    ::inotify_add_watch(watch_, file_.c_str(), IN_OPEN | IN_ACCESS | IN_MODIFY);
     server_ = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     address_.sin_family = AF_INET;
     address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
