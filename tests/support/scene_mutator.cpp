@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <random>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 
 namespace tessera::test {
@@ -18,6 +21,8 @@ constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
 struct Span {
   std::size_t begin = 0, end = 0;
   std::size_t parent = 0;
+  std::uint32_t key =
+      0;  ///< numbers the word before it: the key of a member, of the array around it, a field
 };
 
 /// Where the values of a text stand: of JSON, or the words of any other text.
@@ -32,6 +37,11 @@ bool isWordEnd(char c) {
 /// Of JSON that is in order; of other texts the numbers and the quoted strings.
 Values valuesOf(std::string_view text) {
   Values values;
+  std::unordered_map<std::string_view, std::uint32_t> keys;
+  std::uint32_t key = 0;
+  const auto setKey = [&](std::string_view word) {
+    key = keys.try_emplace(word, static_cast<std::uint32_t>(keys.size())).first->second;
+  };
   std::vector<std::size_t> open;  // starts of the containers around
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t begin = i;
@@ -40,26 +50,30 @@ Values valuesOf(std::string_view text) {
       for (++i; i < text.size() && text[i] != '"' && text[i] != '\n'; ++i)
         i += text[i] == '\\' ? 1 : 0;
       i = std::min(i + 1, text.size());
-      if (i < text.size() && text[i] == ':') continue;  // a key
-      values.strings.push_back({begin, i, parent});
+      if (i < text.size() && text[i] == ':') {
+        setKey(text.substr(begin, i - begin));
+        continue;
+      }
+      values.strings.push_back({begin, i, parent, key});
       values.all.push_back(values.strings.back());
     } else if (text[i] == '-' || text[i] == '.' || std::isdigit(static_cast<unsigned char>(text[i])) != 0) {
       while (i < text.size() && !isWordEnd(text[i]))
         ++i;
       if (i == begin) ++i;
-      values.numbers.push_back({begin, i, parent});
+      values.numbers.push_back({begin, i, parent, key});
       values.all.push_back(values.numbers.back());
     } else if (text[i] == '[' || text[i] == '{') {
       open.push_back(i++);
     } else if ((text[i] == ']' || text[i] == '}') && !open.empty()) {
       const std::size_t start = open.back();
       open.pop_back();
-      values.all.push_back({start, ++i, open.empty() ? 0 : open.back()});
+      values.all.push_back({start, ++i, open.empty() ? 0 : open.back(), key});
     } else if (isWordEnd(text[i])) {
       ++i;
     } else {
       while (i < text.size() && !isWordEnd(text[i]) && text[i] != '"')
         ++i;
+      setKey(text.substr(begin, i - begin));
     }
   }
   return values;
@@ -123,9 +137,11 @@ class Mutator {
       case 3: {
         // Fits its place more often than a number from nowhere, and so is found out later.
         if (values.numbers.empty()) return mutateBytes(text);
-        const Span other = values.numbers[below(values.numbers.size())];
-        return replace(text, favoured(text, values.numbers, isIndex),
-                       text.substr(other.begin, other.end - other.begin));
+        const std::vector<Span> some = favoured(text, values.numbers, isIndex);
+        const Span one = some[below(some.size())];
+        const Span other = below(2) == 0 ? one : values.numbers[below(values.numbers.size())];
+        const std::string number = text.substr(other.begin, other.end - other.begin);
+        return replace(text, {one}, below(3) == 0 ? number : neighbour(number));
       }
       case 4:
       case 5:
@@ -173,15 +189,49 @@ class Mutator {
     note(member.substr(0, 60) + " at " + std::to_string(at));
   }
 
-  /// Every second time those that more depends on.
+  /// Every second time those of one key, every key as often as any: there are thousands of coordinates, and
+  /// each count is worth as much. Every fourth time those that more depends on.
   template <class IsFavoured>
   std::vector<Span> favoured(const std::string& text, const std::vector<Span>& values, IsFavoured is) {
+    if (values.empty()) return values;
+    const std::uint64_t way = below(4);
+    std::vector<std::uint32_t> keys;
+    if (way < 2) {
+      for (const Span& one : values)
+        if (one.key >= keys.size() || keys[one.key] == 0) {
+          keys.resize(std::max<std::size_t>(keys.size(), one.key + 1));
+          keys[one.key] = 1;
+        }
+    }
+    const auto count = static_cast<std::uint64_t>(std::count(keys.begin(), keys.end(), 1U));
+    std::uint64_t skip = below(count);
+    const auto wanted =
+        std::find_if(keys.begin(), keys.end(), [&](std::uint32_t k) { return k != 0 && skip-- == 0; });
+    const auto key = static_cast<std::uint32_t>(wanted - keys.begin());
     std::vector<Span> some;
-    if (below(2) == 0) return values;
     std::copy_if(values.begin(), values.end(), std::back_inserter(some), [&](const Span& one) {
-      return is(std::string_view(text).substr(one.begin, one.end - one.begin));
+      return way < 2    ? one.key == key
+             : way == 2 ? is(std::string_view(text).substr(one.begin, one.end - one.begin))
+                        : true;
     });
     return some.empty() ? values : some;
+  }
+
+  /// A number near one that is there.
+  std::string neighbour(const std::string& of) {
+    const double value = std::strtod(of.c_str(), nullptr);
+    if (!(std::abs(value) < 1e15)) return "0";
+    const auto whole = static_cast<long long>(value);
+    switch (below(4)) {
+      case 0:
+        return std::to_string(whole + 1);
+      case 1:
+        return std::to_string(whole - 1);
+      case 2:
+        return std::to_string(whole * 2);
+      default:
+        return std::to_string(whole + static_cast<long long>(below(1000)));
+    }
   }
 
   std::string number() {
