@@ -99,7 +99,9 @@ void Culler::pick(const FrustumHierarchy& frusta, bool forChanges) {
   if (readsPlanes(frusta)) {
     picked_ = Algorithm::Adaptive;
   } else if (picked_ == Algorithm::Auto) {
-    picked_ = forChanges && scene_->leafCount() <= kMostTableLeaves ? Algorithm::Table : Algorithm::Footprint;
+    // The table's own changes know nothing of absent leaves.
+    const bool suitsTable = scene_->leafCount() <= kMostTableLeaves && scene_->absentLeaves().empty();
+    picked_ = forChanges && suitsTable ? Algorithm::Table : Algorithm::Footprint;
   }
 }
 
@@ -130,9 +132,23 @@ void Culler::listAll(const FrustumHierarchy& frusta) {
   } else {
     cullByPlanes(frusta);
   }
+  takeAbsentOut();
   workspace_->tileCount = frusta.tileCount();
   workspace_->holdsLists = true;
   workspace_->holdsTable = picked_ == Algorithm::Table;
+}
+
+/// Absent leaves keep their bounds, so that all algorithms list them as if they were there.
+void Culler::takeAbsentOut() {
+  Workspace& work = *workspace_;
+  work.isThinned = !scene_->absentLeaves().empty();
+  if (!work.isThinned) return;
+  work.result.pairs = 0;
+  for (VisibleList& list : work.result.lists) {
+    differenceInto(list, scene_->absentLeaves(), work.thinned);
+    std::swap(list, work.thinned);
+    work.result.pairs += leafCount(list);
+  }
 }
 
 bool Culler::readsPlanes(const FrustumHierarchy& frusta) const {
@@ -167,7 +183,9 @@ const Changes& Culler::cullChanges(const FrustumHierarchy& frusta) {
   changes.toggled.resize(frusta.tileCount());
   changes.leafCounts.resize(frusta.tileCount());
   const bool isNew = work.tileCount != frusta.tileCount();
-  if (picked_ == Algorithm::Table && footprints_->tableFits(*frusta.grid()) && !isNew && work.holdsTable) {
+  const bool thins = work.isThinned || !scene_->absentLeaves().empty();
+  if (picked_ == Algorithm::Table && !thins && footprints_->tableFits(*frusta.grid()) && !isNew &&
+      work.holdsTable) {
     if (work.holdsLists) {
       for (std::uint32_t tile = 0; tile < frusta.tileCount(); ++tile)
         changes.leafCounts[tile] = static_cast<std::uint32_t>(leafCount(work.result.lists[tile]));

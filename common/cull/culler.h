@@ -17,8 +17,11 @@ class FootprintCuller;
 /// hold leaves that do not meet it (excess). The same scene, frusta and options give the same lists on every
 /// run and every machine; where a switch remembers earlier frames, the same sequence of frames does.
 ///
-/// `scene` must outlive the culler; its bounds may be refitted between calls. Not thread-safe; separate
-/// cullers on one scene are. Buffers are kept from frame to frame. No recursion: depth costs heap, not stack.
+/// Leaves that are absent (ObjectHierarchy::absentLeaves) are in no list, whichever the algorithm.
+///
+/// `scene` must outlive the culler; its bounds may be refitted, and leaves made absent, between calls. Not
+/// thread-safe; separate cullers on one scene are. Buffers are kept from frame to frame. No recursion: depth
+/// costs heap, not stack.
 class Culler {
  public:
   /// `options` must pass check().
@@ -53,6 +56,7 @@ class Culler {
   void listBeforeFrom(const FrustumHierarchy& frusta);
   void listAll(const FrustumHierarchy& frusta);
   void cullByPlanes(const FrustumHierarchy& frusta);
+  void takeAbsentOut();
 
   const ObjectHierarchy* scene_;
   Options options_;

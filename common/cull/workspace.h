@@ -40,6 +40,8 @@ struct Workspace {
   bool holdsLists = false;               ///< `result` has that call's lists
   bool togglesAreTables = false;         ///< `changes` has what the table's last changes were
   bool holdsTable = false;               ///< the table of footprints has them
+  bool isThinned = false;                ///< absent leaves were taken out of `result`, not out of the table
+  VisibleList thinned;
   PlaneTester tester;
   std::vector<Task> tasks;
   std::vector<std::uint32_t> frustumStack;

@@ -25,6 +25,11 @@ ObjectHierarchy::ObjectHierarchy(Arrays arrays)
   moving_.assign(nodeCount(), 0);
 }
 
+void ObjectHierarchy::setAbsentLeaves(const VisibleList& leaves) {
+  if (!isCanonical(leaves, leafCount())) std::abort();
+  absent_ = leaves;
+}
+
 std::uint32_t ObjectHierarchy::depth() const {
   std::vector<std::uint32_t> depths(nodeCount(), 0);
   std::uint32_t deepest = 0;

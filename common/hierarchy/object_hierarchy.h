@@ -48,6 +48,13 @@ class ObjectHierarchy {
   /// The leaves whose bounds the last revision changed, in no order; some may be there twice.
   [[nodiscard]] std::span<const std::uint32_t> changedLeaves() const { return changedLeaves_; }
 
+  /// Leaves that are not there now, as behind a switch that is off: no culler lists them. Their bounds count
+  /// for the nodes above them all the same, so that they come back without a refit and what cullers remember
+  /// of bounds stays valid.
+  [[nodiscard]] const VisibleList& absentLeaves() const { return absent_; }
+  /// A canonical list of leaves of this hierarchy; a bug otherwise. Not while a culler runs.
+  void setAbsentLeaves(const VisibleList& leaves);
+
   /// Edges on the longest path from the root; children of inner nodes on average.
   [[nodiscard]] std::uint32_t depth() const;
   [[nodiscard]] double meanBranching() const;
@@ -86,6 +93,7 @@ class ObjectHierarchy {
   std::vector<std::uint8_t> moving_;
   std::uint64_t revision_ = 0;
   std::vector<std::uint32_t> changedLeaves_;
+  VisibleList absent_;
 };
 
 /// Builds an ObjectHierarchy from a pre-order walk: openNode, addLeaf and closeNode in the order of the

@@ -67,6 +67,20 @@ VisibleList differenceOf(const VisibleList& a, const VisibleList& b) {
   return combine(a, b, [](bool inA, bool inB) { return inA && !inB; });
 }
 
+void differenceInto(const VisibleList& a, const VisibleList& b, VisibleList& out) {
+  out.clear();
+  auto next = b.begin();
+  for (LeafRange range : a) {
+    next = std::upper_bound(next, b.end(), range.first,
+                            [](std::uint32_t id, const LeafRange& r) { return id < r.last; });
+    for (auto gone = next; gone != b.end() && gone->first < range.last; ++gone) {
+      if (gone->first > range.first) appendRange(out, {range.first, gone->first});
+      range.first = std::min(gone->last, range.last);
+    }
+    appendRange(out, range);
+  }
+}
+
 void symmetricDifferenceInto(const VisibleList& a, const VisibleList& b, VisibleList& out) {
   combineInto(
       a, b, [](bool inA, bool inB) { return inA != inB; }, out);

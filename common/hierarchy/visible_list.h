@@ -37,6 +37,10 @@ inline void appendRange(VisibleList& list, LeafRange range) {
 [[nodiscard]] VisibleList unionOf(const VisibleList& a, const VisibleList& b);
 [[nodiscard]] VisibleList differenceOf(const VisibleList& a, const VisibleList& b);
 
+/// The leaves of `a` that are not in `b`, in time that grows with `a` and with what is taken away, not with
+/// `b`. `out` is cleared and refilled and must be neither of them.
+void differenceInto(const VisibleList& a, const VisibleList& b, VisibleList& out);
+
 /// The leaves in exactly one of the two; `out` is cleared and refilled and must be neither of them.
 void symmetricDifferenceInto(const VisibleList& a, const VisibleList& b, VisibleList& out);
 

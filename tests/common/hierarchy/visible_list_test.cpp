@@ -32,6 +32,9 @@ TEST(VisibleList, SetOperationsAgreeWithBitsets) {
     EXPECT_TRUE(isCanonical(listA, 40));
     EXPECT_EQ(unionOf(listA, listB), fromBits(sum));
     EXPECT_EQ(differenceOf(listA, listB), fromBits(difference));
+    VisibleList left = {{3, 7}};
+    differenceInto(listA, listB, left);
+    EXPECT_EQ(left, fromBits(difference));
     EXPECT_EQ(leafCount(listA), static_cast<std::uint64_t>(std::count(a.begin(), a.end(), true)));
     for (std::uint32_t i = 0; i < 40; ++i)
       EXPECT_EQ(containsLeaf(listA, i), a[i]);
