@@ -182,6 +182,8 @@ Result<AnyMessage> decode(MessageType type, std::span<const std::byte> payload) 
       return toAny(decodeTileSetup(payload));
     case MessageType::Input:
       return toAny(decodeInput(payload));
+    case MessageType::Poses:
+      return toAny(decodePoses(payload));
   }
   return protocolError(ProtocolError::UnknownType, "message");
 }

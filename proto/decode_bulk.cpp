@@ -2,6 +2,7 @@
 
 #include "proto/codec.h"
 #include "proto/decode_check.h"
+#include "proto/pose_codec.h"
 
 namespace tessera::proto {
 
@@ -124,6 +125,15 @@ Result<Frame> decodeFrame(std::span<const std::byte> payload) {
   check.require(0 < frame.nearM && frame.nearM < frame.farM, ProtocolError::BadDepthRange);
   check.require(areImageAxes(frame.right, frame.up), ProtocolError::BadAxes);
   return check.finish(frame);
+}
+
+Result<Poses> decodePoses(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Poses);
+  const auto* wirePoses = check.root<wire::Poses>(payload);
+  if (wirePoses == nullptr) return check.error();
+  Result<std::vector<Pose>> poses = decodePoseBytes(bytesOf(wirePoses->poses()));
+  if (!poses) return poses.error();
+  return Poses{std::move(*poses)};
 }
 
 Result<Shown> decodeShown(std::span<const std::byte> payload) {

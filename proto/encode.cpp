@@ -4,6 +4,7 @@
 #include <flatbuffers/flatbuffers.h>
 
 #include "proto/codec.h"
+#include "proto/pose_codec.h"
 #include "proto/tessera_generated.h"
 #include "proto/utf8.h"
 
@@ -186,6 +187,15 @@ Bytes encode(const Leaves& leaves) {
   std::transform(leaves.leaves.begin(), leaves.leaves.end(), std::back_inserter(offsets),
                  [&](const LeafRecord& leaf) { return addLeaf(builder, leaf); });
   return finish(builder, MessageType::Leaves, wire::CreateLeaves(builder, builder.CreateVector(offsets)));
+}
+
+Bytes encode(const Poses& poses) {
+  if (poses.poses.size() > kMaxLeavesPerMessage) return {};
+  Bytes bytes;
+  encodePoseBytes(poses.poses, bytes);
+  if (bytes.size() > maxPayloadBytes(MessageType::Poses)) return {};
+  Builder builder(kSmallBytes + bytes.size());
+  return finish(builder, MessageType::Poses, wire::CreatePoses(builder, addBytes(builder, bytes)));
 }
 
 Bytes encode(const Frame& frame) {

@@ -79,6 +79,8 @@ std::string_view nameOf(MessageType type) {
       return "TileSetup";
     case MessageType::Input:
       return "Input";
+    case MessageType::Poses:
+      return "Poses";
   }
   return "unknown";
 }

@@ -45,10 +45,11 @@ enum class MessageType : std::uint16_t {
   Error = 12,
   TileSetup = 13,
   Input = 14,
+  Poses = 20,
 };
 
 [[nodiscard]] constexpr bool isKnown(MessageType type) {
-  return type >= MessageType::Hello && type <= MessageType::Input;
+  return (type >= MessageType::Hello && type <= MessageType::Input) || type == MessageType::Poses;
 }
 
 /// What a receiver is ready to accept; decides which message types may come.
@@ -68,7 +69,7 @@ enum class Expect {
 [[nodiscard]] constexpr bool isFromMaster(MessageType type) {
   return type == MessageType::Assets || type == MessageType::Leaves || type == MessageType::Frame ||
          type == MessageType::Swap || type == MessageType::Ping || type == MessageType::Bye ||
-         type == MessageType::Error || type == MessageType::TileSetup;
+         type == MessageType::Error || type == MessageType::TileSetup || type == MessageType::Poses;
 }
 
 [[nodiscard]] constexpr bool isExpected(MessageType type, Expect expect) {
@@ -103,6 +104,7 @@ inline constexpr std::uint32_t kMaxPayloadBytes = 256U << 20U;
     case MessageType::Leaves:
     case MessageType::Frame:
     case MessageType::TileSetup:
+    case MessageType::Poses:
       return 64U << 20U;
     case MessageType::Hello:
     case MessageType::Welcome:

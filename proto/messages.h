@@ -256,4 +256,42 @@ struct TileSetup {
   std::optional<Warp> warp = {};                ///< absent: the picture as it is
 };
 
+/// How a pose tells where its leaf is.
+enum class PoseForm : std::uint8_t {
+  Kept = 0,    ///< where it was; only its shape changes
+  Matrix = 1,  ///< by `localToWorld`
+  Steps = 2,   ///< by `steps` from the matrix of the leaf's record
+};
+
+/// The largest count of steps, up to which a double holds every whole number.
+inline constexpr std::int64_t kMaxPoseSteps = std::int64_t{1} << 53;
+inline constexpr std::size_t kMaxPoseJoints = 4096, kMaxPoseWeights = 4096;
+
+/// A matrix as its difference from another one: entry (row, column) differs by counts[3 * column + row] times
+/// 2^exponents[column]. The last row is that of an affine map.
+struct PoseSteps {
+  std::array<std::int8_t, 4> exponents = {0, 0, 0, 0};
+  std::array<std::int64_t, 12> counts = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  friend bool operator==(const PoseSteps&, const PoseSteps&) = default;
+};
+
+/// Where a leaf is from now on, and in which shape.
+struct Pose {
+  std::uint32_t id = 0;  ///< of a leaf whose record the tile has
+  PoseForm form = PoseForm::Kept;
+  Mat4 localToWorld = Mat4::Identity();  ///< of Matrix; affine
+  PoseSteps steps = {};                  ///< of Steps
+  std::vector<float> joints = {};   ///< 12 for each joint of the leaf's skin, by column: from the mesh to the
+                                    ///< leaf's local coordinates; empty: as they were
+  std::vector<float> weights = {};  ///< of the leaf's morph targets; empty: as they were
+  friend bool operator==(const Pose&, const Pose&) = default;
+};
+
+/// Master to tile: what has moved since the last frame, of the leaves whose records the tile has. Holds from
+/// the next Frame on. Ids ascend; a pose changes something.
+struct Poses {
+  std::vector<Pose> poses = {};
+  friend bool operator==(const Poses&, const Poses&) = default;
+};
+
 }  // namespace tessera::proto

@@ -112,7 +112,7 @@ TEST(Frame, OnlyWhatIsExpectedIsAccepted) {
       {Expect::Hello, {Hello}},
       {Expect::WelcomeOrError, {Welcome, Error}},
       {Expect::FromTile, {Ready, Shown, Pong, Bye, Error, Input}},
-      {Expect::FromMaster, {Assets, Leaves, MessageType::Frame, Swap, Ping, Bye, Error, TileSetup}},
+      {Expect::FromMaster, {Assets, Leaves, MessageType::Frame, Swap, Ping, Bye, Error, TileSetup, Poses}},
       {Expect::Anything, std::set<MessageType>(std::begin(kAllTypes), std::end(kAllTypes))}};
   for (const Row& row : rows) {
     for (const MessageType type : kAllTypes) {

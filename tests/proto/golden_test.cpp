@@ -47,6 +47,14 @@ constexpr const char* kStereoFrame =
     "0000000000000000000000000000e0bf00000000000000400000000000000000000000000000e03f0000000000000040"
     "000000000000f0bf000000000000e03f00000000000000400300000001030100";
 
+constexpr const char* kPoses =
+    "5453524101001400d00000006217f7437f657b84"
+    "cc0000000c00000000000600080004000600000004000000b4000000030301000000000000f03f000000000000000000"
+    "000000000000000000000000000000000000000000f03f00000000000000000000000000000000000000000000000000"
+    "0000000000f03f000000000000000000000000000004400000000000000000000af60003ec02018001000000000000d7"
+    "040400020000803e0000803fc30104010000803f0000000000000000000000000000803f000000000000000000000000"
+    "0000803f000000000000000000008040";
+
 const Hello kHelloMessage = {.tileName = "r0c1",
                              .programVersion = "0.1.0",
                              .clockId = "host-a",
@@ -98,6 +106,17 @@ TileSetup tileSetupMessage() {
                        .maskGamma = 2}};
 }
 
+Poses posesMessage() {
+  Poses poses;
+  poses.poses.push_back({.id = 3, .form = PoseForm::Matrix});
+  poses.poses.back().localToWorld(1, 3) = 2.5;
+  poses.poses.push_back({.id = 4, .form = PoseForm::Steps, .weights = {0.25F, 1}});
+  poses.poses.back().steps = {.exponents = {-10, 0, 3, -20},
+                              .counts = {1, -1, 64, 0, 0, 0, 0, 0, 0, -300, 2, 0}};
+  poses.poses.push_back({.id = 200, .joints = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 4}});
+  return poses;
+}
+
 std::string hexOf(std::span<const std::byte> bytes) {
   constexpr const char* kDigits = "0123456789abcdef";
   std::string hex;
@@ -130,6 +149,14 @@ TEST(Golden, Frame) {
   const auto frame = parseFrame(bytes, Expect::FromMaster);
   ASSERT_TRUE(frame.ok()) << frame.error().text();
   EXPECT_TRUE(isSame(*decodeFrame(frame->payload), frameMessage()));
+}
+
+TEST(Golden, Poses) {
+  EXPECT_EQ(hexOf(encode(posesMessage())), kPoses);
+  const Bytes bytes = bytesOf(kPoses);
+  const auto frame = parseFrame(bytes, Expect::FromMaster);
+  ASSERT_TRUE(frame.ok()) << frame.error().text();
+  EXPECT_EQ(*decodePoses(frame->payload), posesMessage());
 }
 
 TEST(Golden, TileSetup) {

@@ -98,6 +98,7 @@ inline Bytes encodeAny(const AnyMessage& message) {
 
 inline MessageType typeOf(const AnyMessage& message) {
   if (std::holds_alternative<Input>(message)) return MessageType::Input;
+  if (std::holds_alternative<Poses>(message)) return MessageType::Poses;
   return static_cast<MessageType>(message.index() + 1);
 }
 
@@ -237,6 +238,35 @@ class MessageMaker {
     return message;
   }
 
+  Pose pose(std::uint32_t id) {
+    Pose made = {.id = id, .form = static_cast<PoseForm>(below(3))};
+    if (made.form == PoseForm::Matrix) {
+      made.localToWorld = Mat4::NullaryExpr([&] { return real(); });
+      made.localToWorld.row(3) << 0, 0, 0, 1;
+    }
+    if (made.form == PoseForm::Steps) {
+      for (std::int8_t& exponent : made.steps.exponents)
+        exponent = static_cast<std::int8_t>(below(256));
+      for (std::int64_t& count : made.steps.counts)
+        count = std::clamp(static_cast<std::int64_t>(random_()) >> below(64), -kMaxPoseSteps, kMaxPoseSteps);
+    }
+    made.joints.resize(below(3) * 12);
+    made.weights.resize(below(4) + (made.form == PoseForm::Kept ? 1 : 0));
+    for (std::vector<float>* numbers : {&made.joints, &made.weights})
+      std::generate(numbers->begin(), numbers->end(), [&] { return channel(); });
+    return made;
+  }
+
+  Poses poses() {
+    Poses made;
+    std::uint32_t id = 0;
+    for (std::uint64_t i = below(5); i > 0; --i) {
+      id += static_cast<std::uint32_t>(1 + below(300));
+      made.poses.push_back(pose(id));
+    }
+    return made;
+  }
+
   AnyMessage any(MessageType type) {
     switch (type) {
       case MessageType::Hello:
@@ -267,6 +297,8 @@ class MessageMaker {
         return tileSetup();
       case MessageType::Input:
         return input();
+      case MessageType::Poses:
+        return poses();
     }
     return Ping{};
   }
@@ -334,9 +366,10 @@ class MessageMaker {
   std::vector<std::unique_ptr<std::vector<std::byte>>> owned_;
 };
 
-inline constexpr MessageType kAllTypes[] = {
-    MessageType::Hello, MessageType::Welcome, MessageType::Assets,    MessageType::Leaves, MessageType::Frame,
-    MessageType::Ready, MessageType::Swap,    MessageType::Shown,     MessageType::Ping,   MessageType::Pong,
-    MessageType::Bye,   MessageType::Error,   MessageType::TileSetup, MessageType::Input};
+inline constexpr MessageType kAllTypes[] = {MessageType::Hello,     MessageType::Welcome, MessageType::Assets,
+                                            MessageType::Leaves,    MessageType::Frame,   MessageType::Ready,
+                                            MessageType::Swap,      MessageType::Shown,   MessageType::Ping,
+                                            MessageType::Pong,      MessageType::Bye,     MessageType::Error,
+                                            MessageType::TileSetup, MessageType::Input,   MessageType::Poses};
 
 }  // namespace tessera::proto::test

@@ -23,9 +23,10 @@ TriangleScene sceneOf(Geometry& geometry, int leaves) {
 }
 
 WallView viewFrom(Geometry& geometry) {
-  WallView view = viewOf(gridWall(kColumns, kRows, 60),
-                         {.eye = geometry.vector(12), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
-                         Vec3::Zero(), 20);
+  WallView view =
+      viewOf(gridWall(kColumns, kRows, 60),
+             {.eye = geometry.vector(12), .target = Vec3::Zero(), .up = Vec3(0, 1, 0), .fovYRad = {}},
+             Vec3::Zero(), 20);
   view.screens[0].near = view.screens[0].far = std::nullopt;
   for (Frustum& tile : view.tiles)
     tile.near = tile.far = std::nullopt;
@@ -143,9 +144,10 @@ TEST(AbsentLeaves, ContractHoldsForThoseThatAreThere) {
       scene.leaves.push_back(geometry.any(center, 10));
     scene.build(geometry.engine());
     for (int round = 0; round < 3; ++round) {
-      WallView view = viewOf(
-          gridWall(kColumns, kRows, 60),
-          {.eye = center + geometry.vector(8), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}}, center, 20);
+      WallView view =
+          viewOf(gridWall(kColumns, kRows, 60),
+                 {.eye = center + geometry.vector(8), .target = center, .up = Vec3(0, 1, 0), .fovYRad = {}},
+                 center, 20);
       view.screens[0].near = view.screens[0].far = std::nullopt;
       for (Frustum& tile : view.tiles)
         tile.near = tile.far = std::nullopt;
