@@ -2,6 +2,10 @@
 
 #include <cstring>
 
+#include <Eigen/LU>
+
+#include "proto/pose_codec.h"
+
 namespace tessera {
 
 namespace {
@@ -72,6 +76,9 @@ Status TileCache::addAsset(const proto::Asset& asset) {
     case proto::AssetKind::Drawable: {
       auto& drawable = drawables_[id] = dynamic_cast<osg::Drawable*>(object.get());
       isRightKind = !decodes_ || drawable;
+      if (!drawable) break;
+      if (Status status = DeformSource::takeFrom(*drawable); !status)
+        return runtimeError("asset " + id.hex(), status.error().what);
       break;
     }
     case proto::AssetKind::State: {
@@ -104,12 +111,47 @@ Status TileCache::add(const proto::Leaves& message, std::uint32_t leafCount) {
     leaf.stateRank = rankOf(record.state);
     leaf.localToWorld = record.localToWorld;
     leaf.center = record.center;
+    leaf.recordToWorld = record.localToWorld;
+    leaf.deformer = nullptr;
+    const Mat3 linear = record.localToWorld.topLeftCorner<3, 3>();
+    leaf.localCenter = linear.inverse() * (record.center - record.localToWorld.topRightCorner<3, 1>());
+    if (!leaf.localCenter.allFinite()) leaf.localCenter.setZero();
     if (record.billboard && decodes_) {
       leaf.billboard = billboardOf(*record.billboard);
       leaf.billboardPosition = toOsg(record.billboard->position);
     }
   }
   return Done{};
+}
+
+Status TileCache::add(const proto::Poses& message) {
+  for (const proto::Pose& pose : message.poses) {
+    const std::string name = "pose of leaf " + std::to_string(pose.id);
+    const auto leaf = leaves_.find(pose.id);
+    if (leaf == leaves_.end()) return runtimeError(name, "comes before the leaf's record");
+    if (Status status = place(leaf->second, pose); !status) return runtimeError(name, status.error().what);
+  }
+  return Done{};
+}
+
+Status TileCache::place(CachedLeaf& leaf, const proto::Pose& pose) const {
+  if (pose.form == proto::PoseForm::Matrix) leaf.localToWorld = pose.localToWorld;
+  if (pose.form == proto::PoseForm::Steps) {
+    const Mat4 reached = proto::fromSteps(leaf.recordToWorld, pose.steps);
+    if (!reached.allFinite()) return runtimeError("", "leads beyond the range of numbers");
+    leaf.localToWorld = reached;
+  }
+  // Good enough to sort by: where the middle of the record's sphere has gone.
+  const Vec3 center = pose.joints.empty() ? leaf.localCenter : Vec3(Vec3::Zero());
+  leaf.center = leaf.localToWorld.topLeftCorner<3, 3>() * center + leaf.localToWorld.topRightCorner<3, 1>();
+  if ((pose.joints.empty() && pose.weights.empty()) || !decodes_) return Done{};
+  if (!leaf.deformer) {
+    if (!leaf.drawable->asGeometry() || !DeformSource::of(*leaf.drawable))
+      return runtimeError("", "has a shape for a drawable that keeps its own");
+    leaf.deformer = new LeafDeformer(*leaf.drawable->asGeometry());
+    leaf.drawable = leaf.deformer->geometry();
+  }
+  return leaf.deformer->pose(pose.joints, pose.weights);
 }
 
 const CachedLeaf* TileCache::find(std::uint32_t leaf) const {

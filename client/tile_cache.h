@@ -12,6 +12,7 @@
 #include <osg/Matrixd>
 #include <osg/StateSet>
 
+#include "client/leaf_deformer.h"
 #include "common/assets/asset_id.h"
 #include "common/base/result.h"
 #include "common/geometry/vec.h"
@@ -27,6 +28,9 @@ struct CachedLeaf {
   std::uint32_t stateRank = 0;  ///< the same order of states on every tile: leaves are drawn by it
   Mat4 localToWorld;
   Vec3 center;
+  Mat4 recordToWorld;                   ///< as its record has it, from which steps of poses count
+  Vec3 localCenter;                     ///< of its record's sphere
+  osg::ref_ptr<LeafDeformer> deformer;  ///< of a leaf that has had a shape; `drawable` is then its geometry
   osg::ref_ptr<osg::Billboard> billboard;  ///< computes the turn; null for most
   osg::Vec3d billboardPosition;
 };
@@ -42,6 +46,9 @@ class TileCache {
   /// Refuses a leaf out of range or whose assets are not here.
   [[nodiscard]] Status add(const proto::Leaves& message, std::uint32_t leafCount);
 
+  /// Refuses a pose of a leaf that is not here, that leads too far, or that does not fit its drawable.
+  [[nodiscard]] Status add(const proto::Poses& message);
+
   /// Null: not here.
   [[nodiscard]] const CachedLeaf* find(std::uint32_t leaf) const;
   [[nodiscard]] bool has(std::uint32_t leaf) const { return leaves_.contains(leaf); }
@@ -49,6 +56,7 @@ class TileCache {
   [[nodiscard]] std::size_t assetCount() const { return drawables_.size() + states_.size() + images_.size(); }
 
  private:
+  [[nodiscard]] Status place(CachedLeaf& leaf, const proto::Pose& pose) const;
   [[nodiscard]] Status addAsset(const proto::Asset& asset);
   [[nodiscard]] Result<osg::ref_ptr<osg::Object>> decode(proto::AssetKind kind, std::string_view bytes) const;
 

@@ -98,6 +98,8 @@ class TileConversation {
   Status handle(const proto::Assets& message) { return cache_.add(message); }
   Status handle(const proto::Leaves& message) { return cache_.add(message, welcome_.leafCount); }
 
+  Status handle(const proto::Poses& message) { return cache_.add(message); }
+
   Status handle(const proto::TileSetup& setup) {
     if (hasSetup_ || frame_ != 0)
       return runtimeError("TileSetup", hasSetup_ ? "comes a second time" : "comes after a frame");

@@ -11,8 +11,8 @@
 
 namespace tessera::proto {
 
-// The bytes of Poses.poses; PROTOCOL.md has the format. Ids ascend, varints are shortest, so that every set of
-// poses has one encoding.
+// The bytes of Poses.poses; PROTOCOL.md has the format. Ids ascend, varints are shortest, so that every set
+// of poses has one encoding.
 
 /// `out` is cleared and refilled. The poses' ids must ascend.
 void encodePoseBytes(std::span<const Pose> poses, std::vector<std::byte>& out);

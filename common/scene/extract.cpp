@@ -16,6 +16,8 @@
 
 #include "common/scene/asset_writer.h"
 #include "common/scene/cut_drawable.h"
+#include "common/scene/motion/motion_codec.h"
+#include "common/scene/motion_notes.h"
 
 namespace tessera {
 
@@ -76,33 +78,43 @@ class Extractor {
         scene_(scene),
         options_(options),
         maxTriangles_(options.maxTrianglesPerLeaf),
-        writer_(scene.assets) {}
+        writer_(scene.assets),
+        notes_(graph) {}
 
   Status run() {
-    push(*graph_.root, {}, nullptr, 0, 0, true);
+    scene_.addPathNode(0, 0, "root");
+    visits_.push_back({.node = graph_.root.get()});
     while (!visits_.empty()) {
       Visit visit = std::move(visits_.back());
       visits_.pop_back();
       if (!visit.node) {
         builder_.closeNode();
+        notes_.leave(visit.place, visit.isParentHidden, scene_.graphLeafCount);
         continue;
       }
       if (Status status = enter(visit); !status) return status;
       tellProgress();
     }
     scene_.hierarchy = builder_.finish();
-    for (const std::string& warning : warned_)
-      scene_.warnings.push_back(warning);
+    const Result<motion::Motion> motion = notes_.finish();
+    if (!motion) return inputError(scene_.source, motion.error().what);
+    const std::string encoded = motion::encodeMotion(*motion);
+    scene_.motion = std::vector<char>(encoded.begin(), encoded.end());
+    warned_.insert(notes_.warnings().begin(), notes_.warnings().end());
+    scene_.warnings.insert(scene_.warnings.end(), warned_.begin(), warned_.end());
     return Done{};
   }
 
  private:
   struct Visit {
     const osg::Node* node = nullptr;  ///< null: close the node that is open
-    WorldTransform transform;
+    WorldTransform transform = {};
     const osg::StateSet* state = nullptr;
     std::uint32_t parentPath = 0;
     std::uint32_t childIndex = 0;
+    const osg::Node* above = nullptr;
+    MotionNotes::Place place = {};  ///< of the node above; of one to be closed its own
+    bool isParentHidden = false;    ///< of one to be closed
   };
 
   /// Where a drawable stands.
@@ -112,6 +124,7 @@ class Extractor {
     const WorldTransform& transform;
     const osg::StateSet* inherited;
     std::uint32_t path;
+    const MotionNotes::Place& motion;
   };
 
   /// A drawable in parts. They are stored about the origin of the whole: vertices on a seam then come out the
@@ -137,12 +150,6 @@ class Extractor {
     }
   }
 
-  void push(const osg::Node& node, const WorldTransform& transform, const osg::StateSet* state,
-            std::uint32_t parentPath, std::uint32_t childIndex, bool isRoot = false) {
-    if (isRoot) scene_.addPathNode(0, 0, "root");
-    visits_.push_back({&node, transform, state, parentPath, childIndex});
-  }
-
   /// Opens a node: its own drawables become leaves, its children are left for later.
   Status enter(const Visit& visit) {
     const osg::Node& node = *visit.node;
@@ -151,10 +158,12 @@ class Extractor {
     const std::uint32_t path = isRoot ? 0 : addPath(visit, node);
 
     WorldTransform transform = visit.transform;
-    if (const osg::Transform* local = node.asTransform()) {
+    const osg::Transform* local = node.asTransform();
+    Mat4 m = Mat4::Identity();
+    if (local) {
       osg::Matrixd matrix;
       local->computeLocalToWorldMatrix(matrix, nullptr);
-      const Mat4 m = toColumnVectors(matrix);
+      m = toColumnVectors(matrix);
       if (!m.allFinite()) return nodeError(path, "has a matrix with a number that is not finite");
       if (m.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
         return nodeError(path, "has a matrix that is not affine");
@@ -165,18 +174,28 @@ class Extractor {
     const osg::StateSet* state = writer_.merged(visit.state, node.getStateSet());
 
     builder_.openNode();
-    visits_.emplace_back();  // closes it
-    ActiveChildren active;
-    if (const osg::Group* group = node.asGroup()) const_cast<osg::Group*>(group)->traverse(active);
+    const MotionNotes::Place place = notes_.enter(node, local ? &m : nullptr, visit.place, visit.above,
+                                                  visit.childIndex, scene_.graphLeafCount);
+    visits_.push_back({.place = place, .isParentHidden = visit.place.hidden});  // closes it
     const std::size_t firstChild = visits_.size();
     std::uint32_t drawableIndex = 0;
-    for (std::uint32_t i = 0; i < active.children.size(); ++i) {
-      const osg::Node& child = *active.children[i];
-      if (const osg::Drawable* drawable = child.asDrawable()) {
-        const Status status = addDrawable(*drawable, {node, drawableIndex++, transform, state, path});
+    for (const auto& [i, child] : childrenOf(node)) {
+      if (const osg::Drawable* drawable = child->asDrawable()) {
+        // One that its parent may choose comes and goes by itself.
+        const MotionNotes::Place own =
+            choosesChildren(node) ? notes_.enter(*child, nullptr, place, &node, i, scene_.graphLeafCount)
+                                  : place;
+        const Status status = addDrawable(*drawable, {node, drawableIndex++, transform, state, path, own});
         if (!status) return status;
+        if (choosesChildren(node)) notes_.leave(own, place.hidden, scene_.graphLeafCount);
       } else {
-        push(child, transform, state, path, i);
+        visits_.push_back({.node = child,
+                           .transform = transform,
+                           .state = state,
+                           .parentPath = path,
+                           .childIndex = i,
+                           .above = &node,
+                           .place = place});
       }
     }
     // Last in, first out: the first child must be popped first.
@@ -184,17 +203,32 @@ class Extractor {
     return Done{};
   }
 
+  /// What is traversed below a node: of those that choose everything, also what they do not show now.
+  static std::vector<std::pair<std::uint32_t, const osg::Node*>> childrenOf(const osg::Node& node) {
+    std::vector<std::pair<std::uint32_t, const osg::Node*>> children;
+    const osg::Group* group = node.asGroup();
+    if (!group) return children;
+    if (choosesChildren(node)) {
+      for (unsigned int i = 0; i < group->getNumChildren(); ++i) {
+        if (group->getChild(i)->getNodeMask() != 0) children.emplace_back(i, group->getChild(i));
+      }
+      return children;
+    }
+    ActiveChildren active;
+    const_cast<osg::Group*>(group)->traverse(active);
+    for (const osg::Node* child : active.children)
+      children.emplace_back(static_cast<std::uint32_t>(children.size()), child);
+    return children;
+  }
+
   /// Things that are no part of the scene or cannot be shown; each kind is said once.
   bool skips(const osg::Node& node) {
-    if (node.getNumChildrenRequiringUpdateTraversal() > 0 || node.getUpdateCallback()) {
-      warn("animation callbacks are not run: the scene is shown as it was loaded");
-    }
     if (node.asCamera()) return warn("cameras inside the scene (overlays, pre-render passes) are left out");
     if (dynamic_cast<const osg::LightSource*>(&node)) {
       warn("the scene's own lights are left out: the wall lights all scenes alike");
     }
-    if (dynamic_cast<const osg::LOD*>(&node))
-      warn("of nodes with levels of detail the finest level is shown");
+    if (dynamic_cast<const osg::LOD*>(&node) && !choosesChildren(node))
+      warn("of nodes with paged levels of detail the finest level that is there is shown");
     if (const osg::Transform* transform = node.asTransform()) {
       if (transform->getReferenceFrame() != osg::Transform::RELATIVE_RF) {
         return warn("nodes with an absolute reference frame are left out");
@@ -235,7 +269,8 @@ class Extractor {
   [[nodiscard]] std::optional<Cut> cutOf(const osg::Drawable& drawable) const {
     std::optional<CutTree> tree = cutDrawable(drawable, maxTriangles_);
     if (!tree) return {};
-    return Cut{std::move(*tree), storageOriginOf(drawable)};
+    // What deforms vertices knows nothing of another origin.
+    return Cut{std::move(*tree), isDeformable(drawable) ? Vec3(Vec3::Zero()) : storageOriginOf(drawable)};
   }
 
   const std::optional<Cut>& sharedCut(const osg::Drawable& drawable) {
@@ -271,8 +306,9 @@ class Extractor {
   }
 
   Status addLeaf(const osg::Drawable& drawable, const Place& place, const Piece& piece) {
-    const auto& [parent, drawableIndex, transform, inherited, path] = place;
-    const auto written = writer_.writeDrawable(drawable, piece.origin);
+    const auto& [parent, drawableIndex, transform, inherited, path, motionPlace] = place;
+    static const Vec3 kOwnOrigin = Vec3::Zero();
+    const auto written = writer_.writeDrawable(drawable, isDeformable(drawable) ? &kOwnOrigin : piece.origin);
     if (!written)
       return nodeError(path, "drawable " + std::to_string(drawableIndex) + " " + written.error().what);
     const WrittenDrawable& geometry = **written;
@@ -305,6 +341,13 @@ class Extractor {
     }
     Vec3 reach = Vec3::Zero(), storageError = geometry.storageError;
     if (billboard) storageError.setConstant(storageError.norm());  // it may turn to any axis
+    const auto source = graph_.gltfSources.find(&parent);
+    notes_.addLeaf({.graphLeaf = leaf.graphLeaf,
+                    .part = leaf.part,
+                    .gltfNode = source == graph_.gltfSources.end() ? -1 : source->second.node,
+                    .origin = geometry.origin,
+                    .storageError = storageError},
+                   drawable, points, motionPlace);
     for (Vec3& p : points) {
       reach = reach.cwiseMax(p.cwiseAbs());
       p = (transform.matrix * p.homogeneous()).head<3>();
@@ -375,6 +418,7 @@ class Extractor {
   std::uint64_t nodesDone_ = 0;
   const std::uint64_t maxTriangles_;  ///< of a leaf; 0: any number
   AssetWriter writer_;
+  MotionNotes notes_;
   ObjectHierarchyBuilder builder_;
   std::vector<Visit> visits_;
   std::unordered_map<const osg::Drawable*, std::optional<Cut>> sharedCuts_;

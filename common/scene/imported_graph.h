@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -9,6 +10,8 @@
 
 #include <osg/Group>
 #include <osg/ref_ptr>
+
+#include "common/scene/motion/motion.h"
 
 namespace tessera {
 
@@ -23,7 +26,10 @@ struct ImportedGraph {
   osg::ref_ptr<osg::Group> root;
   std::unordered_map<const osg::Node*, GltfSource> gltfSources;  ///< empty for other formats
   std::vector<std::string> warnings;                             ///< one sentence each
-  std::set<std::filesystem::path> files;  ///< looked for beside the named one, whether they are there or not
+  std::set<std::filesystem::path> files;   ///< looked for beside the named one, whether they are there or not
+  motion::Motion motion;                   ///< of glTF: nodes, channels and skins, no leaves yet
+  std::vector<std::uint32_t> motionNodes;  ///< by glTF node: its place in motion.nodes; empty or kNone: none
+  std::vector<std::uint32_t> motionSkins;  ///< by node of the motion: its skin, or kNone
 
   ImportedGraph() = default;
   ImportedGraph(ImportedGraph&&) = default;
@@ -32,6 +38,9 @@ struct ImportedGraph {
     std::swap(gltfSources, other.gltfSources);
     std::swap(warnings, other.warnings);
     std::swap(files, other.files);
+    std::swap(motion, other.motion);
+    std::swap(motionNodes, other.motionNodes);
+    std::swap(motionSkins, other.motionSkins);
     return *this;
   }
   ImportedGraph(const ImportedGraph&) = delete;

@@ -9,6 +9,7 @@
 #include "common/scene/import_graph.h"
 #include "common/scene/osg_import.h"
 #include "common/scene/reorganize.h"
+#include "common/scene/scene_motion.h"
 
 namespace tessera {
 
@@ -51,7 +52,9 @@ Result<LoadedScene> load(const std::filesystem::path& path, const LoadOptions& o
                                                 .keeper = options.keeper,
                                                 .progress = [&](double share) { tell(0.5 + 0.45 * share); }});
   if (!scene) return scene.error();
-  reorganize(*scene, options.hierarchy, options.maxTrianglesPerLeaf);
+  // What moves must have its terminal node to itself.
+  reorganize(*scene, options.hierarchy, scene->motion.empty() ? options.maxTrianglesPerLeaf : 0);
+  if (Status status = hideAsLoaded(*scene); !status) return status.error();
   tell(1);
   loaded.scene = std::move(*scene);
   return loaded;

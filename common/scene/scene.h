@@ -64,6 +64,7 @@ struct Scene {
   Column<PathNode> pathNodes;
   Column<char> names;
   AssetTable assets;
+  Column<char> motion;                ///< what moves (motion/motion_codec.h); empty: nothing
   std::vector<std::string> warnings;  ///< what could not be taken over as it was
 
   [[nodiscard]] std::uint64_t triangleCount() const;

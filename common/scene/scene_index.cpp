@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/scene/index_sections.h"
+#include "common/scene/scene_motion.h"
 
 namespace tessera {
 
@@ -22,6 +23,7 @@ enum Section : std::uint32_t {
   kAssets,
   kAssetNeeds,
   kAssetPlaces,
+  kMotion,
   kHierarchy = 32,  ///< and the numbers that follow: ObjectHierarchy::Arrays
 };
 
@@ -100,6 +102,7 @@ std::string encodeSceneIndex(const Scene& scene, const Column<StoredAsset>& plac
   writer.add(kAssets, scene.assets.rows());
   writer.add(kAssetNeeds, scene.assets.needs());
   writer.add(kAssetPlaces, places);
+  writer.add(kMotion, scene.motion);
   std::uint32_t id = kHierarchy;
   scene.hierarchy.visitArrays([&](const auto& array) { writer.add(id++, array); });
   return writer.finish();
@@ -119,12 +122,14 @@ Result<IndexedScene> openSceneIndex(std::span<std::byte> bytes, std::shared_ptr<
   scene.assets = AssetTable(columns.read<AssetRow>(kAssets), columns.read<std::uint32_t>(kAssetNeeds),
                             std::make_shared<MemoryAssets>());
   columns.into(out.places, kAssetPlaces);
+  columns.into(scene.motion, kMotion);
   scene.hierarchy = readHierarchy(columns);
   if (!columns.status()) return columns.status().error();
   if (scene.leaves.size() != scene.hierarchy.leafCount() || out.places.size() != scene.assets.size() ||
       scene.leaves.empty()) {
     return runtimeError("scene index", "has arrays that do not fit each other");
   }
+  if (Status status = hideAsLoaded(scene); !status) return status.error();
   return out;
 }
 

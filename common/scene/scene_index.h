@@ -26,7 +26,7 @@ struct IndexedScene {
 };
 
 /// Changes whenever an index written before cannot be read, or would not be what an import makes now.
-inline constexpr int kSceneIndexVersion = 1;
+inline constexpr int kSceneIndexVersion = 2;
 
 [[nodiscard]] std::string encodeSceneIndex(const Scene& scene, const Column<StoredAsset>& places,
                                            const std::vector<SceneDependency>& dependencies);

@@ -38,7 +38,7 @@ const Aabb& boxOf(const Scene& scene, std::uint32_t leaf) {
 }  // namespace
 
 Audit::Audit(const Scene& scene, std::size_t candidates)
-    : scene_(&scene), triangles_(scene), verdicts_(candidates) {
+    : scene_(&scene), triangles_(scene), absent_(scene.hierarchy.absentLeaves()), verdicts_(candidates) {
   const auto count = static_cast<std::uint32_t>(scene.leaves.size());
   blocks_.resize((count + kBlockLeaves - 1) / kBlockLeaves);
   for (std::uint32_t leaf = 0; leaf < count; ++leaf)
@@ -59,6 +59,8 @@ void Audit::findCandidates(const Frustum& tile) {
 
 Status Audit::decide(std::span<ExactFrustum> seen) {
   meeting_ = 0;
+  for (const LeafRange range : absent_)
+    std::fill(meets_.begin() + range.first, meets_.begin() + range.last, Meets::No);
   for (std::uint32_t leaf = 0; leaf < meets_.size(); ++leaf) {
     if (meets_[leaf] != Meets::Open) continue;
     if (scene_->billboardOf(scene_->leaves[leaf])) {

@@ -33,6 +33,10 @@ class Audit {
   /// The scene must outlive this, and its bounds must stay as they are.
   explicit Audit(const Scene& scene, std::size_t candidates = 1);
 
+  /// Leaves that are not to be seen from now on, and count as meeting nothing; at first those that are absent
+  /// from the scene's hierarchy.
+  void hide(const VisibleList& absent) { absent_ = absent; }
+
   /// `lists`: of each candidate, its lists by tile. In stereo a leaf that meets a tile by either eye must be
   /// listed.
   [[nodiscard]] Status add(std::uint64_t frame, const WallView& view,
@@ -58,6 +62,7 @@ class Audit {
 
   const Scene* scene_;
   LeafTriangles triangles_;
+  VisibleList absent_;
   std::vector<Aabb> blocks_;  ///< around runs of leaves, so that far away ones are rejected together
   std::vector<Meets> meets_;  ///< by leaf, of the tile at hand
   std::uint64_t meeting_ = 0;

@@ -21,6 +21,7 @@ namespace {
 struct CullCommandFlags {
   InputFiles files;
   CullFlags cull;
+  MotionFlags motion;
   std::uint64_t frames = 120;
   std::string lists, json;
   bool untiled = false, audit = false;
@@ -77,6 +78,7 @@ std::string reportOf(const CullCommandFlags& flags, const Scene& scene, const Wa
                                    {"simd", cull::instructionSet()},
                                    {"bounds", flags.cull.bounds},
                                    {"switches", flags.cull.changedSwitches()},
+                                   {"animate", flags.motion.options.animate},
                                    {"frames", flags.frames},
                                    {"frusta_us", spread(measured.frustaUs)},
                                    {"cull_us", spread(measured.cullUs)},
@@ -100,6 +102,8 @@ double usSince(std::chrono::steady_clock::time_point start) {
 }
 
 Status cullScene(const CullCommandFlags& flags) {
+  if (flags.audit && flags.motion.options.animate)
+    return inputError("--audit", "judges a scene that stands still", "leave out --animate");
   const auto options = flags.cull.options();
   if (!options) return options.error();
   auto wall = flags.files.readWall();
@@ -115,14 +119,23 @@ Status cullScene(const CullCommandFlags& flags) {
     lists.emplace();
     if (Status status = lists->open(flags.lists, *scene, *wall); !status) return status;
   }
-  WallCuller culler(scene->hierarchy, *wall, *options, flags.cull.planeSource());
+  const auto motion = SceneMotion::make(*scene, flags.motion.options);
+  if (!motion) return motion.error();
+  SceneMotion* const moving = motion->get();
+  WallCuller culler(moving ? moving->hierarchy() : scene->hierarchy, *wall, *options,
+                    flags.cull.planeSource());
   Measured measured;
   if (flags.audit) measured.audit.emplace(*scene);
   const Sphere& sphere = scene->sphere();
   std::uint64_t frame = 0;
   for (const double time : camera->sampleTimes(flags.frames)) {
-    const WallView view =
-        viewOf(*wall, camera->poseAt(time, sphere.center, sphere.radius), sphere.center, sphere.radius);
+    const CameraPose pose = camera->poseAt(time, sphere.center, sphere.radius);
+    WallView view;
+    if (moving) {
+      moving->advance(frame + 1, *wall, pose, view);
+    } else {
+      viewInto(*wall, pose, sphere.center, sphere.radius, view);
+    }
     auto start = std::chrono::steady_clock::now();
     culler.update(view);
     measured.frustaUs.add(usSince(start));
@@ -133,6 +146,7 @@ Status cullScene(const CullCommandFlags& flags) {
     measured.picked = cull::nameOf(culler.picked());
     if (lists) lists->add(frame, view, result);
     if (measured.audit) {
+      if (moving) measured.audit->hide(moving->hierarchy().absentLeaves());
       if (Status status = measured.audit->add(frame, view, result); !status) return status;
     }
     ++frame;
@@ -170,6 +184,7 @@ void addCullCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
+  flags->motion.add(*app);
   app->add_option("--frames", flags->frames, "Frames, evenly along the camera path")
       ->capture_default_str()
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000}));

@@ -269,6 +269,21 @@ std::string CullFlags::text() const {
   return text;
 }
 
+void MotionFlags::add(CLI::App& app) {
+  app.add_flag("--animate", options.animate,
+               "Play the scene's animations, skins, morph targets, sequences and update callbacks; else it "
+               "stands as it was loaded");
+  app.add_option("--animation-fps", options.framesPerSecond,
+                 "Frames to a second of the scene's own time, whose second 0 is frame 1")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 1e6));
+  app.add_option("--quantize-motion", options.quantizeBoundM,
+                 "Send moving leaves less exactly: no point of a leaf farther than this from its place, in "
+                 "metres; 0: exactly")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e6));
+}
+
 void nameMode(RunReport& report, const InputFiles& files, const CullFlags& cull) {
   report.hierarchy = files.hierarchy;
   report.maxTrianglesPerLeaf = files.maxTrianglesPerLeaf;

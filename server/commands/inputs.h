@@ -65,6 +65,12 @@ struct CullFlags {
   }
 };
 
+/// --animate and how.
+struct MotionFlags {
+  MotionOptions options;
+  void add(CLI::App& app);
+};
+
 /// Writes into the report what the flags made of the scene and the culler.
 void nameMode(RunReport& report, const InputFiles& files, const CullFlags& cull);
 

@@ -29,6 +29,7 @@ constexpr std::uint64_t kDefaultFrames = 120;
 struct RunFlags {
   InputFiles files;
   CullFlags cull;
+  MotionFlags motion;
   std::optional<std::uint64_t> frames;
   std::uint64_t pictureEvery = 1;
   LiveFlags live;
@@ -48,6 +49,7 @@ MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOpti
   MasterOptions options;
   options.cull = cullOptions;
   options.planeSource = flags.cull.planeSource();
+  options.motion = flags.motion.options;
   options.frames = flags.frames.value_or(steers(flags) ? 0 : kDefaultFrames);
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));
@@ -260,6 +262,7 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
+  flags->motion.add(*app);
   flags->live.add(*app);
   app->add_flag(
       "--interactive", flags->interactive,

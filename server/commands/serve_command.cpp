@@ -17,6 +17,7 @@ namespace {
 struct ServeFlags {
   InputFiles files;
   CullFlags cull;
+  MotionFlags motion;
   std::string listen = "0.0.0.0:7400", json;
   std::uint64_t frames = 0;
   LiveFlags live;
@@ -39,6 +40,7 @@ Status serve(const ServeFlags& flags) {
   MasterOptions options;
   options.cull = *cullOptions;
   options.planeSource = flags.cull.planeSource();
+  options.motion = flags.motion.options;
   options.frames = flags.frames;
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));
@@ -76,6 +78,7 @@ void addServeCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
+  flags->motion.add(*app);
   flags->live.add(*app);
   app->add_flag(
       "--interactive", flags->interactive,

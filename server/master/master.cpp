@@ -134,13 +134,17 @@ Status Master::waitForTiles(const Hooks& hooks, bool mayStartWithout) {
 }
 
 Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
+  auto motion = SceneMotion::make(scene_, options_.motion);
+  if (!motion) return motion.error();
+  motion_ = std::move(*motion);
   if (Status status = waitForTiles(hooks, mayStartWithout); !status) {
     sayGoodbye();
     stopNetwork();
     return status.error();
   }
   reserveReport();
-  WallCuller culler(scene_.hierarchy, wall_, options_.cull, options_.planeSource);
+  WallCuller culler(motion_ ? motion_->hierarchy() : scene_.hierarchy, wall_, options_.cull,
+                    options_.planeSource);
   const Sphere& sphere = scene_.sphere();
   firstFrame_ = lastPaced_ = lastSwap_ = Clock::now();
   std::uint64_t frame = 0;
@@ -152,7 +156,12 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
     takeInputs(hooks);
     if (roster_.stopping()) break;
     auto start = Clock::now();
-    viewInto(wall_, poseOf(next, hooks), sphere.center, sphere.radius, view);
+    const CameraPose pose = poseOf(next, hooks);
+    if (motion_) {
+      motion_->advance(next, wall_, pose, view);
+    } else {
+      viewInto(wall_, pose, sphere.center, sphere.radius, view);
+    }
     culler.update(view);
     report_.updateMs.add(msSince(start));
     start = Clock::now();
@@ -211,7 +220,7 @@ void Master::reserveReport() {
 
 void Master::sendFrame(std::uint64_t frame, const WallView& view, const WallCuller& culler,
                        const cull::Changes& changes) {
-  std::uint64_t listBytes = 0, geometryBytes = 0;
+  std::uint64_t listBytes = 0, geometryBytes = 0, poseBytes = 0;
   const auto start = Clock::now();
   // Who is ready for this frame has shown the one before the last.
   if (display_.overlay && frame > 2) skewUs_ = roster_.skewUs(frame - 2);
@@ -221,6 +230,7 @@ void Master::sendFrame(std::uint64_t frame, const WallView& view, const WallCull
     const TileMirror::Sent sent = sendTo(tile, peers_[tile], frame, view, culler, changes);
     listBytes += sent.listBytes;
     geometryBytes += sent.assetBytes;
+    poseBytes += sent.poseBytes;
     RunReport::TileEntry& entry = report_.tiles[tile];
     entry.visibleLeaves.add(changes.leafCounts[tile]);
     entry.cacheHits += sent.hits;
@@ -231,6 +241,7 @@ void Master::sendFrame(std::uint64_t frame, const WallView& view, const WallCull
   wakeWriters_.post(io_);
   report_.sendMs.add(msSince(sendStart));
   report_.listBytesPerFrame.add(static_cast<double>(listBytes));
+  report_.poseBytesPerFrame.add(static_cast<double>(poseBytes));
   report_.geometryBytesPerFrame.add(static_cast<double>(geometryBytes));
   report_.visibleLeavesPerFrame.add(static_cast<double>(changes.pairs));
 }
@@ -249,6 +260,7 @@ TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer
                                .leafCount = changes.leafCounts[tile],
                                .wantPicture = pictures_ && pictures_->wants(frame),
                                .stereo = stereo_,
+                               .motion = motion_.get(),
                                .display = display_,
                                .skewUs = display_.overlay && frame > 1 ? skewUs_ : 0};
   if (stereo_ != proto::StereoLayout::None) {
@@ -317,6 +329,7 @@ void Master::sayGoodbye() {
 
 void Master::fillReport() {
   report_.scene = scene_.source;
+  report_.motion = options_.motion;
   report_.wall = wall_.source;
   report_.algorithm = cull::nameOf(options_.cull.algorithm);
   report_.bounds = cull::nameOf(options_.cull.bounds);

@@ -21,6 +21,7 @@
 #include "server/master/input_queue.h"
 #include "server/master/picture_writer.h"
 #include "server/master/run_report.h"
+#include "server/master/scene_motion.h"
 #include "server/master/tile_mirror.h"
 #include "server/master/tile_roster.h"
 #include "server/master/tile_session.h"
@@ -39,6 +40,7 @@ struct MasterOptions {
       10'000};  ///< for a frame's Ready; a tile that misses it is left behind
   std::optional<std::filesystem::path> pictureFolder;  ///< stitched pictures go there
   std::uint64_t pictureEvery = 1;                      ///< of the frames, every so-manieth
+  MotionOptions motion;
   bool countTriangles = false;  ///< for RunReport::frameLog; each frame's whole lists must be made for it
 };
 
@@ -121,6 +123,7 @@ class Master {
   InputQueue inputs_;
   std::unique_ptr<PictureWriter> pictures_;
   SessionContext context_;
+  std::unique_ptr<SceneMotion> motion_;  ///< while it runs; null: nothing moves
   std::vector<TileMirror> mirrors_;
   std::vector<TileInput> newInputs_;
   proto::Encoder encoder_;

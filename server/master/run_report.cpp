@@ -42,7 +42,7 @@ template <class Visit>
 void RunReport::forEachSamples(Visit visit) {
   for (Samples* samples :
        {&updateMs, &cullMs, &encodeMs, &sendMs, &tileWaitMs, &swapMs, &masterMs, &frameMs, &listBytesPerFrame,
-        &geometryBytesPerFrame, &visibleLeavesPerFrame, &trianglesPerFrame})
+        &geometryBytesPerFrame, &poseBytesPerFrame, &visibleLeavesPerFrame, &trianglesPerFrame})
     visit(*samples);
   for (TileEntry& tile : tiles)
     visit(tile.visibleLeaves);
@@ -86,6 +86,9 @@ std::string RunReport::json() const {
         {"hierarchy", hierarchy},
         {"mtpl", maxTrianglesPerLeaf},
         {"switches", switches},
+        {"animate", motion.animate},
+        {"animation_fps", motion.framesPerSecond},
+        {"quantize_motion_m", motion.quantizeBoundM},
         {"measured_error_leaves", 0},
         {"measured_error_px", warpErrorPx}}},
       {"frames", frames},
@@ -107,7 +110,9 @@ std::string RunReport::json() const {
         {"max", masterMs.max() / k60HzPercentMs}}},
       {"visible_pairs_per_frame", spread(visibleLeavesPerFrame)},
       {"sent_bytes_per_frame",
-       {{"lists", spread(listBytesPerFrame)}, {"geometry", spread(geometryBytesPerFrame)}}},
+       {{"lists", spread(listBytesPerFrame)},
+        {"geometry", spread(geometryBytesPerFrame)},
+        {"poses", spread(poseBytesPerFrame)}}},
       {"swap_skew_us", swapSkewUs.values.empty() ? Json(nullptr) : spread(swapSkewUs)},
       {"pictures", {{"written", pictures}, {"incomplete", incompletePictures}}},
       {"tiles", tilesJson}};

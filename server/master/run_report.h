@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/master/motion_options.h"
 #include "server/master/recorded.h"
 #include "server/master/tile_roster.h"
 
@@ -24,11 +25,12 @@ struct RunReport {
   std::uint64_t maxTrianglesPerLeaf = 0;  ///< 0: leaves as in the file
   std::vector<std::string> switches;      ///< of the culler, that are not at their defaults
   double warpErrorPx = 0;                 ///< TileSetups::warpErrorPx
+  MotionOptions motion;
   std::uint64_t leaves = 0, triangles = 0, assets = 0, assetBytes = 0;
   std::uint64_t frames = 0;
   double seconds = 0;  ///< from the first frame to the last
   Samples updateMs, cullMs, encodeMs, sendMs, tileWaitMs, swapMs;
-  Samples listBytesPerFrame, geometryBytesPerFrame, visibleLeavesPerFrame;
+  Samples listBytesPerFrame, geometryBytesPerFrame, poseBytesPerFrame, visibleLeavesPerFrame;
   Samples masterMs;  ///< processor time of the frame loop's thread: update, cull, swap, encode and send
   Samples frameMs;   ///< from one swap to the next; of the first frame: from its start
   Samples trianglesPerFrame;  ///< of all tiles' lists

@@ -13,6 +13,7 @@ static_assert(kMaxAssetBytes <= proto::kMaxAssetBytes);
 
 constexpr std::size_t kAssetBatchBytes = 4 << 20;
 constexpr std::size_t kLeafBatch = 4096;
+constexpr std::size_t kMostPoseFloats = 1 << 20;
 
 proto::Bytes encodeAssets(const AssetTable& assets, const std::vector<std::uint32_t>& chosen) {
   proto::Assets message;
@@ -75,7 +76,7 @@ void TileMirror::follow(std::uint64_t session) {
   session_ = session;
   knownLeaves_.assign(knownLeaves_.size(), false);
   knownAssets_.assign(knownAssets_.size(), false);
-  baseFrame_ = pendingFrame_ = 0;
+  baseFrame_ = pendingFrame_ = posesFrame_ = 0;
   baseLeafCount_ = pendingLeafCount_ = 0;
 }
 
@@ -90,6 +91,7 @@ TileMirror::Sent TileMirror::send(net::Connection& connection, proto::Encoder& e
                                   const FrameOrder& order) {
   Sent sent;
   sendGeometry(connection, *order.toggled, sent);
+  if (order.motion) sendPoses(connection, *order.motion, order.frame, sent);
   // Of the leaves that toggled, those that came outnumber those that went by what the list has grown.
   const std::uint64_t had = order.baseFrame == 0 ? 0 : baseLeafCount_;
   const std::uint64_t came = (leafCount(*order.toggled) + order.leafCount - had) / 2;
@@ -172,6 +174,39 @@ void TileMirror::sendGeometry(net::Connection& connection, const VisibleList& to
                  return encodeLeaves(*scene, leaves);
                });
   }
+}
+
+/// Records tell where leaves were when the scene was loaded, so that those just sent need their pose, too;
+/// and a tile that missed frames missed the poses that came with them.
+void TileMirror::sendPoses(net::Connection& connection, const SceneMotion& motion, std::uint64_t frame,
+                           Sent& sent) {
+  const bool keptUp = posesFrame_ != 0 && posesFrame_ + 1 == frame;
+  posesFrame_ = frame;
+  posed_.clear();
+  for (const std::uint32_t leaf : keptUp ? motion.moved() : motion.posed()) {
+    if (knownLeaves_[leaf]) posed_.push_back(leaf);
+  }
+  for (const std::uint32_t leaf : missingLeaves_) {
+    if (motion.hasPose(leaf)) posed_.push_back(leaf);
+  }
+  std::sort(posed_.begin(), posed_.end());
+  posed_.erase(std::unique(posed_.begin(), posed_.end()), posed_.end());
+  proto::Poses message;
+  std::size_t floats = 0;
+  const auto flush = [&] {
+    if (message.poses.empty()) return;
+    const proto::Bytes bytes = proto::encode(message);
+    sent.poseBytes += bytes.size();
+    connection.queue(std::span<const std::byte>(bytes));
+    message.poses.clear();
+    floats = 0;
+  };
+  for (const std::uint32_t leaf : posed_) {
+    message.poses.push_back(motion.poseOf(leaf));
+    floats += message.poses.back().joints.size() + message.poses.back().weights.size();
+    if (message.poses.size() == kLeafBatch || floats > kMostPoseFloats) flush();
+  }
+  flush();
 }
 
 }  // namespace tessera

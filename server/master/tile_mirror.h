@@ -10,6 +10,7 @@
 #include "common/wall/wall.h"
 #include "proto/codec.h"
 #include "proto/list_coder.h"
+#include "server/master/scene_motion.h"
 
 namespace tessera {
 
@@ -57,12 +58,14 @@ class TileMirror {
     /// In stereo: `frustum` is the left eye's, and this, drawn likewise, the right one's.
     std::optional<proto::RightEye> rightEye = {};
     proto::StereoLayout stereo = proto::StereoLayout::None;
+    const SceneMotion* motion = nullptr;  ///< null: nothing moves
     Display display = {};
     std::uint32_t skewUs = 0;
   };
   struct Sent {
     std::uint64_t listBytes = 0;   ///< the frame message
     std::uint64_t assetBytes = 0;  ///< assets ordered for it
+    std::uint64_t poseBytes = 0;
     std::uint32_t assets = 0, leaves = 0;
     std::uint32_t hits = 0;  ///< leaves that came into view and were known already
   };
@@ -79,6 +82,7 @@ class TileMirror {
  private:
   void needAsset(std::uint32_t number, Sent& sent);
   void sendGeometry(net::Connection& connection, const VisibleList& toggled, Sent& sent);
+  void sendPoses(net::Connection& connection, const SceneMotion& motion, std::uint64_t frame, Sent& sent);
 
   const Scene* scene_;
   std::shared_ptr<TileTraffic> traffic_ = std::make_shared<TileTraffic>();
@@ -89,6 +93,8 @@ class TileMirror {
   proto::ListEncoder list_;  ///< as of the frame that was sent last
   std::vector<std::byte> delta_;
   std::vector<std::uint32_t> missingAssets_, missingLeaves_;
+  std::uint64_t posesFrame_ = 0;  ///< the last one that poses were sent for
+  std::vector<std::uint32_t> posed_;
 };
 
 }  // namespace tessera

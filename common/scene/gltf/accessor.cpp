@@ -52,8 +52,10 @@ int componentCountOf(int type) {
       return 3;
     case TINYGLTF_TYPE_VEC4:
       return 4;
+    case TINYGLTF_TYPE_MAT4:
+      return 16;  // of floats, whose columns need no padding
     default:
-      return 0;  // matrices are no vertex attribute
+      return 0;
   }
 }
 
@@ -77,6 +79,20 @@ bool isAllowed(Attribute attribute, const Elements& e) {
     case Attribute::Index:
       return e.componentCount == 1 && !e.isNormalized &&
              (isUnsigned || e.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
+    case Attribute::Joint:
+      return e.componentCount == 4 && isUnsigned && !e.isNormalized;
+    case Attribute::Weight:
+      return e.componentCount == 4 && (isFloat || (isUnsigned && e.isNormalized));
+    case Attribute::Displacement:
+      return e.componentCount == 3 && (isFloat || isSigned);
+    case Attribute::Time:
+      return e.componentCount == 1 && isFloat;
+    case Attribute::Rotation:
+      return e.componentCount == 4 && (isFloat || ((isSigned || isUnsigned) && e.isNormalized));
+    case Attribute::MorphWeight:
+      return e.componentCount == 1 && (isFloat || ((isSigned || isUnsigned) && e.isNormalized));
+    case Attribute::Matrix:
+      return e.componentCount == 16 && isFloat;
   }
   return false;
 }

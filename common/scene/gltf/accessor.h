@@ -24,7 +24,20 @@ struct Elements {
 };
 
 /// What an accessor is used for, which decides the types it may have.
-enum class Attribute { Position, Normal, TexCoord, Color, Index };
+enum class Attribute {
+  Position,
+  Normal,
+  TexCoord,
+  Color,
+  Index,
+  Joint,         ///< four numbers of joints
+  Weight,        ///< of four joints
+  Displacement,  ///< of a morph target; also keys of translation and scale
+  Time,          ///< of a key
+  Rotation,      ///< keys: quaternions
+  MorphWeight,   ///< keys: one number each
+  Matrix,        ///< 4 x 4, by column
+};
 
 /// Finds and checks accessors. Sparse ones are merged into a dense copy once, which this object keeps.
 class AccessorReader {

@@ -41,7 +41,8 @@ Result<std::vector<Leaf>> Geometries::makeLeaves(int meshIndex) {
     const std::string name = "mesh " + std::to_string(meshIndex) + " primitive " + std::to_string(i);
     const Result<Look> look = materials_.look(primitive.material);
     if (!look) return inputError({}, name + ": " + look.error().what, look.error().mend);
-    PrimitiveReader reader(primitive, *look, accessors_, warnings_, name);
+    PrimitiveReader reader(primitive, *look, deforms_[static_cast<std::size_t>(meshIndex)], accessors_,
+                           warnings_, name);
     const Result<osg::ref_ptr<osg::Geometry>> geometry = reader.read();
     if (!geometry) return inputError({}, name + ": " + geometry.error().what, geometry.error().mend);
     if (!*geometry) continue;

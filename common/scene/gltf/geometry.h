@@ -11,6 +11,7 @@
 #include "common/scene/gltf/accessor.h"
 #include "common/scene/gltf/load_document.h"
 #include "common/scene/gltf/material.h"
+#include "common/scene/gltf/motion_reader.h"
 #include "common/scene/gltf/warnings.h"
 
 namespace tessera::gltf {
@@ -30,7 +31,10 @@ class Geometries {
       : document_(document),
         warnings_(warnings),
         accessors_(document.model),
-        materials_(document, warnings) {}
+        materials_(document, warnings),
+        deforms_(meshDeforms(document)) {}
+
+  [[nodiscard]] AccessorReader& accessors() { return accessors_; }
 
   /// The mesh's primitives that draw something, in their order. Mirrored leaves share all arrays with the
   /// plain ones and differ in their state set. Valid as long as this object.
@@ -49,6 +53,7 @@ class Geometries {
   Warnings& warnings_;
   AccessorReader accessors_;
   Materials materials_;
+  std::vector<MeshDeforms> deforms_;  ///< by mesh
   std::map<std::pair<int, bool>, MeshLeaves> meshes_;
 };
 

@@ -34,26 +34,12 @@ constexpr std::array kGeometryExtensions = {
     GeometryExtension{"MSFT_lod", "the finest level of detail is drawn"},
 };
 
-bool hasMorphTargets(const tinygltf::Model& model) {
-  return std::any_of(model.meshes.begin(), model.meshes.end(), [](const tinygltf::Mesh& mesh) {
-    return std::any_of(mesh.primitives.begin(), mesh.primitives.end(),
-                       [](const tinygltf::Primitive& primitive) { return !primitive.targets.empty(); });
-  });
-}
-
 void warnOfWhatIsNotShown(const Document& document, Warnings& warnings) {
   for (const GeometryExtension& extension : kGeometryExtensions) {
     const auto& used = document.extensionsUsed;
     if (std::find(used.begin(), used.end(), extension.name) == used.end()) continue;
     warnings.add(extension.name, "the extension " + std::string(extension.name) + " is not supported; " +
                                      std::string(extension.effect));
-  }
-  if (!document.model.skins.empty()) warnings.add("skins", "skins are not supported; the bind pose is drawn");
-  if (!document.model.animations.empty()) {
-    warnings.add("animations", "animations are not supported; the scene stands still");
-  }
-  if (hasMorphTargets(document.model)) {
-    warnings.add("morph targets", "morph targets are not supported; the undeformed shape is drawn");
   }
 }
 

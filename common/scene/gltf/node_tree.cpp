@@ -7,6 +7,8 @@
 #include <osg/MatrixTransform>
 #include <osg/Quat>
 
+#include "common/scene/gltf/motion_reader.h"
+
 namespace tessera::gltf {
 
 namespace {
@@ -228,6 +230,7 @@ Status buildNodes(const Document& document, Geometries& geometries, Warnings& wa
     }
     pushAll(tasks, source.children, group, isMirrored);
   }
+  readMotion(document, geometries.accessors(), roots->nodes, warnings, graph);
   return Done{};
 }
 

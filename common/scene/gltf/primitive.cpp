@@ -65,6 +65,7 @@ Result<osg::ref_ptr<osg::Geometry>> PrimitiveReader::read() {
   }
   if (const Status status = readTexCoords(); !status) return status.error();
   if (const Status status = readColors(); !status) return status.error();
+  if (const Status status = readDeformation(); !status) return status.error();
   geometry_->setVertexArray(vertices_);
   geometry_->addPrimitiveSet(makePrimitiveSet());
   return geometry_;
@@ -180,10 +181,15 @@ Status PrimitiveReader::checkFinite(std::span<const float> values, std::size_t p
 Result<std::vector<float>> PrimitiveReader::readFloats(const std::string& attribute, Attribute use) {
   Result<Elements> elements = elementsOf(attribute, use);
   if (!elements) return elements.error();
-  elements->count = std::min(elements->count, vertexCount_);
-  std::vector<float> values(vertexCount_ * static_cast<std::size_t>(elements->componentCount));
-  if (!kept_.empty()) elements->count = accessorCount_;
-  gatherFloats(*elements, kept_, values);
+  return gathered(*elements);
+}
+
+/// Those of the geometry's vertices. `elements` has one for each vertex of the accessors.
+std::vector<float> PrimitiveReader::gathered(Elements elements) const {
+  elements.count = std::min(elements.count, vertexCount_);
+  std::vector<float> values(vertexCount_ * static_cast<std::size_t>(elements.componentCount));
+  if (!kept_.empty()) elements.count = accessorCount_;
+  gatherFloats(elements, kept_, values);
   return values;
 }
 

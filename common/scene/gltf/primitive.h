@@ -11,6 +11,7 @@
 
 #include "common/scene/gltf/accessor.h"
 #include "common/scene/gltf/material.h"
+#include "common/scene/gltf/motion_reader.h"
 #include "common/scene/gltf/warnings.h"
 
 namespace tessera::gltf {
@@ -23,10 +24,11 @@ namespace tessera::gltf {
 class PrimitiveReader {
  public:
   /// `name` is how warnings call the primitive ("mesh 3 primitive 0").
-  PrimitiveReader(const tinygltf::Primitive& primitive, const Look& look, AccessorReader& accessors,
-                  Warnings& warnings, std::string name)
+  PrimitiveReader(const tinygltf::Primitive& primitive, const Look& look, MeshDeforms deforms,
+                  AccessorReader& accessors, Warnings& warnings, std::string name)
       : primitive_(primitive),
         look_(look),
+        deforms_(deforms),
         accessors_(accessors),
         warnings_(warnings),
         name_(std::move(name)) {}
@@ -48,7 +50,11 @@ class PrimitiveReader {
   void makeFlatNormals();
   [[nodiscard]] Status readTexCoords();
   [[nodiscard]] Status readColors();
+  [[nodiscard]] Status readDeformation();
+  [[nodiscard]] Status readJoints();
+  [[nodiscard]] Status readTargets();
   [[nodiscard]] Result<std::vector<float>> readFloats(const std::string& attribute, Attribute use);
+  [[nodiscard]] std::vector<float> gathered(Elements elements) const;
   [[nodiscard]] Status checkFinite(std::span<const float> values, std::size_t perVertex,
                                    const std::string& attribute) const;
   [[nodiscard]] osg::ref_ptr<osg::PrimitiveSet> makePrimitiveSet();
@@ -56,6 +62,7 @@ class PrimitiveReader {
 
   const tinygltf::Primitive& primitive_;
   const Look& look_;
+  const MeshDeforms deforms_;
   AccessorReader& accessors_;
   Warnings& warnings_;
   std::string name_;

@@ -21,9 +21,10 @@ namespace tessera::motion {
 
 /// Of a leaf with a skin whose localToWorld is the translation by `origin`, in world coordinates. A vertex is
 /// a mean of the places where the joints that it follows put it, each of which lies in that joint's box.
-/// `joints` has 12 floats, by column, for each of the boxes; those of empty boxes do not matter. Nothing where
-/// a number is not finite, or no box is left.
-[[nodiscard]] std::optional<Bounds> skinnedBounds(const Deformation& deformation, std::span<const float> joints,
+/// `joints` has 12 floats, by column, for each of the boxes; those of empty boxes do not matter. Nothing
+/// where a number is not finite, or no box is left.
+[[nodiscard]] std::optional<Bounds> skinnedBounds(const Deformation& deformation,
+                                                  std::span<const float> joints,
                                                   std::span<const float> weights, const Vec3& origin);
 
 }  // namespace tessera::motion

@@ -39,8 +39,8 @@ struct Channel {
   std::uint32_t node = 0;
   Path path = Path::Translation;
   Interpolation interpolation = Interpolation::Linear;
-  float periodS = 0;  ///< of the animation that it is a part of; 0: it stands at its first key
-  std::uint32_t width = 3;  ///< numbers in a value
+  float periodS = 0;               ///< of the animation that it is a part of; 0: it stands at its first key
+  std::uint32_t width = 3;         ///< numbers in a value
   std::vector<float> timesS = {};  ///< of the keys, ascending; at least one
   std::vector<float> values = {};  ///< `width` for each key; of a cubic spline in-tangent, value, out-tangent
 };
@@ -53,7 +53,8 @@ struct Skin {
 /// How a leaf's shape follows. Boxes hold what the tiles are sent, in the leaf's stored coordinates.
 struct Deformation {
   std::uint32_t skin = kNone;
-  std::vector<Aabb> jointBoxes = {};   ///< for each joint of the skin: the vertices that follow it; may be empty
+  std::vector<Aabb> jointBoxes =
+      {};  ///< for each joint of the skin: the vertices that follow it; may be empty
   std::vector<Aabb> targetBoxes = {};  ///< for each morph target: the displacements of all vertices
 };
 
@@ -62,7 +63,7 @@ struct Leaf {
   std::uint32_t graphLeaf = 0, part = 0;  ///< as SceneLeaf has them
   std::uint32_t node = 0;                 ///< of `nodes` or of the skeleton
   Mat4 nodeToLeaf = Mat4::Identity();     ///< its localToWorld is the node's times this
-  Bounds bounds = {};                          ///< undeformed, in the leaf's own coordinates
+  Bounds bounds = {};                     ///< undeformed, in the leaf's own coordinates
   std::uint32_t deformation = kNone;
 };
 
@@ -79,9 +80,9 @@ struct Motion {
   std::vector<Skin> skins;
   std::vector<Deformation> deformations;
   std::vector<Leaf> leaves;
-  std::string skeleton;      ///< the graph without its drawables, in OpenSceneGraph's osgb format; nodes are
-                             ///< numbered in depth-first pre-order
-  std::vector<Unit> units;   ///< in the order of nodes
+  std::string skeleton;     ///< the graph without its drawables, in OpenSceneGraph's osgb format; nodes are
+                            ///< numbered in depth-first pre-order
+  std::vector<Unit> units;  ///< in the order of nodes
   VisibleList hiddenAsLoaded;  ///< leaves of the graph that a scene does not show that nobody plays
 
   [[nodiscard]] bool empty() const { return leaves.empty() && units.empty(); }

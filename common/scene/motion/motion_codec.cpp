@@ -216,9 +216,11 @@ Channel readChannel(Reader& from) {
   const std::uint64_t perKey =
       std::uint64_t{channel.width} * (channel.interpolation == Interpolation::CubicSpline ? 3 : 1);
   bool isSound = !channel.timesS.empty() && channel.periodS >= 0 && channel.width > 0 &&
-                 channel.values.size() % perKey == 0 && channel.values.size() / perKey == channel.timesS.size();
+                 channel.values.size() % perKey == 0 &&
+                 channel.values.size() / perKey == channel.timesS.size();
   if (channel.path == Path::Rotation) isSound = isSound && channel.width == 4;
-  if (channel.path == Path::Translation || channel.path == Path::Scale) isSound = isSound && channel.width == 3;
+  if (channel.path == Path::Translation || channel.path == Path::Scale)
+    isSound = isSound && channel.width == 3;
   for (std::size_t i = 1; i < channel.timesS.size(); ++i)
     isSound = isSound && channel.timesS[i - 1] < channel.timesS[i];
   from.require(isSound, "has a channel whose keys do not fit together");
@@ -253,7 +255,8 @@ bool refersWell(const Motion& motion) {
     if (leaf.deformation == kNone || !isSound) continue;
     isSound = leaf.deformation < motion.deformations.size() && motion.skeleton.empty();
     if (isSound)
-      isSound = motion.nodes[leaf.node].weights.size() >= motion.deformations[leaf.deformation].targetBoxes.size();
+      isSound =
+          motion.nodes[leaf.node].weights.size() >= motion.deformations[leaf.deformation].targetBoxes.size();
   }
   for (const Unit& unit : motion.units)
     isSound = isSound && unit.firstGraphLeaf <= unit.lastGraphLeaf && !motion.skeleton.empty();

@@ -8,6 +8,8 @@
 #include <osg/MatrixTransform>
 #include <osg/Switch>
 
+#include "common/scene/motion/motion_codec.h"
+
 namespace tessera {
 namespace {
 
@@ -95,7 +97,7 @@ TEST(Extract, BoundsHoldTheTransformedVertices) {
   }
 }
 
-TEST(Extract, OfASwitchOnlyWhatIsOn) {
+TEST(Extract, OfASwitchEverythingAndWhatIsOff) {
   osg::ref_ptr<osg::Group> root = new osg::Group;
   osg::ref_ptr<osg::Switch> choice = new osg::Switch;
   choice->addChild(triangleAt(0), false);
@@ -103,7 +105,10 @@ TEST(Extract, OfASwitchOnlyWhatIsOn) {
   root->addChild(choice);
   const auto scene = extract(root);
   ASSERT_TRUE(scene) << scene.error().text();
-  EXPECT_EQ(scene->leaves.size(), 1U);
+  EXPECT_EQ(scene->leaves.size(), 2U);
+  const auto motion = motion::decodeMotion({scene->motion.data(), scene->motion.size()});
+  ASSERT_TRUE(motion) << motion.error().text();
+  EXPECT_EQ(motion->hiddenAsLoaded, (VisibleList{{0, 1}}));
 }
 
 TEST(Extract, RefusesWhatCannotBeDrawn) {

@@ -123,6 +123,7 @@ View viewFor(const Wall& wall, const NamedPose& named, const Scene& scene, const
     std::vector<bool>& meets = view.meets.emplace_back(geometries.leaves.size());
     for (std::size_t leaf = 0; leaf < geometries.leaves.size(); ++leaf) {
       if (geometries.leaves[leaf].empty() || isClearlyOutside(tile, geometries.boxes[leaf])) continue;
+      if (containsLeaf(scene.hierarchy.absentLeaves(), static_cast<std::uint32_t>(leaf))) continue;
       meets[leaf] = std::ranges::any_of(geometries.leaves[leaf],
                                         [&](const Triangle& triangle) { return exact.meets(triangle); });
       view.exactPairs += meets[leaf] ? 1 : 0;

@@ -71,8 +71,8 @@ TEST(Channel, CubicSplineIsThePolynomialThatItsKeysDefine) {
   std::vector<float> times = {0, 0.5F, 1.25F, 3}, values;
   for (const float t : times) {
     const double at = static_cast<double>(t);
-    values.insert(values.end(), {static_cast<float>(slope(at)), static_cast<float>(p(at)),
-                                 static_cast<float>(slope(at))});
+    values.insert(values.end(),
+                  {static_cast<float>(slope(at)), static_cast<float>(p(at)), static_cast<float>(slope(at))});
   }
   const Channel channel = scalar(Interpolation::CubicSpline, times, values);
   for (double t = 0; t < 3; t += 0.01)
@@ -115,7 +115,8 @@ TEST(Channel, RotationsAgreeWithEigensSlerp) {
     const double t = std::uniform_real_distribution<double>(0, 1)(random);
     const Eigen::Quaterniond expected = a.cast<double>().slerp(t, b.cast<double>());
     const auto q = at(channel, 2 + 2 * t);
-    const double cosine = q[0] * expected.x() + q[1] * expected.y() + q[2] * expected.z() + q[3] * expected.w();
+    const double cosine =
+        q[0] * expected.x() + q[1] * expected.y() + q[2] * expected.z() + q[3] * expected.w();
     ASSERT_NEAR(std::abs(cosine), 1, 1e-6);
   }
 }
@@ -149,9 +150,25 @@ TEST(NodePlayer, MovesWhatHangsBelowAnAnimatedNode) {
   motion.nodes[3].weights = {0.25F, 0.5F};
   const auto half = static_cast<float>(std::numbers::sqrt2 / 2);
   motion.channels = {
-      {.node = 1, .path = Path::Rotation, .periodS = 4, .width = 4, .timesS = {0, 1}, .values = {0, 0, 0, 1, 0, 0, half, half}},
-      {.node = 1, .path = Path::Translation, .periodS = 4, .width = 3, .timesS = {0, 2}, .values = {0, 0, 0, 0, 0, 8}},
-      {.node = 1, .path = Path::Scale, .interpolation = Interpolation::Step, .periodS = 4, .width = 3, .timesS = {0, 3}, .values = {1, 1, 1, 3, 3, 3}},
+      {.node = 1,
+       .path = Path::Rotation,
+       .periodS = 4,
+       .width = 4,
+       .timesS = {0, 1},
+       .values = {0, 0, 0, 1, 0, 0, half, half}},
+      {.node = 1,
+       .path = Path::Translation,
+       .periodS = 4,
+       .width = 3,
+       .timesS = {0, 2},
+       .values = {0, 0, 0, 0, 0, 8}},
+      {.node = 1,
+       .path = Path::Scale,
+       .interpolation = Interpolation::Step,
+       .periodS = 4,
+       .width = 3,
+       .timesS = {0, 3},
+       .values = {1, 1, 1, 3, 3, 3}},
       {.node = 3, .path = Path::Weights, .periodS = 4, .width = 2, .timesS = {0, 4}, .values = {0, 1, 4, 3}}};
   NodePlayer player(motion);
   EXPECT_EQ(player.weights(3)[1], 0.5F) << "as loaded";

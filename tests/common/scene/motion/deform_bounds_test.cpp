@@ -35,7 +35,9 @@ struct Case {
 Case anyCase(std::mt19937_64& random, std::size_t jointCount, std::size_t targetCount) {
   std::uniform_real_distribution<float> unit(-1, 1), unit01(0, 1);
   Case made;
-  const auto vector = [&](float size) { return Eigen::Vector3f(size * Eigen::Vector3f(unit(random), unit(random), unit(random))); };
+  const auto vector = [&](float size) {
+    return Eigen::Vector3f(size * Eigen::Vector3f(unit(random), unit(random), unit(random)));
+  };
   made.targets.resize(targetCount);
   made.deformation.jointBoxes.resize(jointCount);
   made.deformation.targetBoxes.resize(targetCount);

@@ -22,7 +22,8 @@ Motion someMotion(std::mt19937_64& random) {
     if (i > 0 && below(3) > 0) node.parent = below(i);
     node.hasMatrix = i == 2;
     if (node.hasMatrix) {
-      node.matrix.topRows<3>() = Eigen::Matrix<double, 3, 4>::NullaryExpr([&] { return double(unit(random)); });
+      node.matrix.topRows<3>() =
+          Eigen::Matrix<double, 3, 4>::NullaryExpr([&] { return double(unit(random)); });
     } else {
       node.trs = {.translation = vec3(), .rotation = {0.5, -0.5, 0.5, 0.5}, .scale = vec3()};
     }
@@ -35,7 +36,8 @@ Motion someMotion(std::mt19937_64& random) {
     const std::uint32_t keys = 1 + below(4);
     for (std::uint32_t key = 0; key < keys; ++key)
       channel.timesS.push_back(static_cast<float>(key) + 0.5F);
-    channel.values.resize(keys * channel.width * (channel.interpolation == Interpolation::CubicSpline ? 3 : 1));
+    channel.values.resize(keys * channel.width *
+                          (channel.interpolation == Interpolation::CubicSpline ? 3 : 1));
     for (float& value : channel.values)
       value = unit(random);
     channel.periodS = 7;
@@ -60,7 +62,8 @@ Motion someMotion(std::mt19937_64& random) {
 Motion someSkeleton() {
   Motion motion;
   motion.skeleton = "bytes of OpenSceneGraph";
-  motion.units = {{.node = 3, .firstGraphLeaf = 0, .lastGraphLeaf = 4}, {.node = 5, .firstGraphLeaf = 4, .lastGraphLeaf = 4}};
+  motion.units = {{.node = 3, .firstGraphLeaf = 0, .lastGraphLeaf = 4},
+                  {.node = 5, .firstGraphLeaf = 4, .lastGraphLeaf = 4}};
   motion.leaves.resize(1);
   motion.leaves[0].bounds = boundsOf(std::vector<Vec3>{Vec3::Ones()}, Vec3::Zero());
   motion.leaves[0].node = 70;  // of the skeleton, whose size is not known here
@@ -149,7 +152,8 @@ TEST(MotionCodec, RefusesReferencesToNothing) {
   EXPECT_TRUE(refuses([](Motion& m) { m.skins[0].inverseBind.pop_back(); }));
   EXPECT_TRUE(refuses([](Motion& m) { m.deformations[0].skin = 1; }));
   EXPECT_TRUE(refuses([](Motion& m) { m.deformations[0].jointBoxes.pop_back(); }));
-  EXPECT_TRUE(refuses([](Motion& m) { m.deformations[0].targetBoxes.resize(3); })) << "more targets than weights";
+  EXPECT_TRUE(refuses([](Motion& m) { m.deformations[0].targetBoxes.resize(3); }))
+      << "more targets than weights";
   EXPECT_TRUE(refuses([](Motion& m) { m.leaves[0].node = 5; }));
   EXPECT_TRUE(refuses([](Motion& m) { m.leaves[1].deformation = 1; }));
   EXPECT_TRUE(refuses([](Motion& m) { m.hiddenAsLoaded = {{4, 9}, {1, 2}}; }));
