@@ -25,13 +25,16 @@ Status StoreAssets::put(const AssetRow& row, std::string bytes) {
 }
 
 Result<AssetBytes> StoreAssets::read(std::uint32_t number, const AssetRow& row) const {
-  auto bytes = store_->read(row.id, places_[number]);
+  ReadProblem problem = ReadProblem::Failed;
+  auto bytes = store_->read(row.id, places_[number], &problem);
+  if (!bytes && problem != ReadProblem::Failed) {
+    if (const auto other = store_->find(row.id)) bytes = store_->read(row.id, *other, &problem);
+  }
   if (!bytes) {
-    const auto other = store_->find(row.id);
-    if (!other) return bytes.error();
-    auto again = store_->read(row.id, *other);
-    if (!again) return again.error();
-    bytes = std::move(again);
+    // Without the damaged pack the next opening finds that something is missing, and imports the scene anew;
+    // with it, the loss would stay for good. What is good in the pack is kept.
+    if (problem == ReadProblem::Damaged) static_cast<void>(store_->dropDamaged());
+    return bytes.error();
   }
   return std::make_shared<const std::string>(std::move(*bytes));
 }

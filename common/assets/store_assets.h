@@ -19,7 +19,8 @@ class StoreAssets : public AssetKeeper {
                                                                  Column<StoredAsset> places);
 
   [[nodiscard]] Status put(const AssetRow& row, std::string bytes) override;
-  /// Looks for another copy in the store where the place is damaged.
+  /// Looks for another copy in the store where the place is damaged or gone. Where there is none, the damaged
+  /// pack is removed, so that open() fails the next time and the scene is imported anew.
   [[nodiscard]] Result<AssetBytes> read(std::uint32_t number, const AssetRow& row) const override;
 
   [[nodiscard]] const Column<StoredAsset>& places() const { return places_; }
