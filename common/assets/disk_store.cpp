@@ -94,8 +94,8 @@ Status DiskStore::uses(const PackId& id) {
     if (!isStillAt(fd, path)) break;
     pack->isUsed = tryLock(fd, LockKind::Shared) && isStillAt(fd, path);
   }
-  if (!pack->isUsed) {
-    state_->openPacks.erase(id);
+  if (!pack->isUsed || !isStillAt(fd, path)) {
+    if (!pack->isUsed) state_->openPacks.erase(id);
     return runtimeError(path.string(), "was evicted", "its assets are to be made or fetched again");
   }
   if (state_->options.mayWrite) touch(fd);

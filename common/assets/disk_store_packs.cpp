@@ -91,7 +91,10 @@ void DiskStore::State::forgetPacks(const std::set<PackId>& packs) {
   for (const PackId& id : packs) {
     known.erase(id);
     damaged.erase(id);
-    openPacks.erase(id);
+    // What this process uses it reads on, gone from the folder or not.
+    if (const auto open = openPacks.find(id); open != openPacks.end() && !open->second->isUsed) {
+      openPacks.erase(open);
+    }
   }
 }
 
@@ -207,6 +210,7 @@ Result<std::string> DiskStore::State::read(const AssetId& id, const StoredAsset&
   auto bytes = readRecord(pack->file.fd(), path.string(), id, place, problem);
   if (!bytes && problem == ReadProblem::Damaged) {
     const std::lock_guard lock(mutex);
+    refresh();  // A catalogue that is read later would bring the place back.
     catalogue.forget(id, place);
     if (damaged.insert(place.pack).second) spdlog::warn("{}", bytes.error().text());
   }
