@@ -1,9 +1,10 @@
 #include "client/tile_cache.h"
 
-#include <cstring>
+#include <chrono>
 
 #include <Eigen/LU>
 
+#include "proto/list_codec.h"
 #include "proto/pose_codec.h"
 
 namespace tessera {
@@ -42,6 +43,8 @@ osg::ref_ptr<osg::Billboard> billboardOf(const proto::LeafBillboard& from) {
 
 }  // namespace
 
+TileCache::TileCache(Options options) : options_(std::move(options)), books_(options_.budgetBytes) {}
+
 Status TileCache::add(const proto::Assets& message) {
   for (const proto::Asset& asset : message.assets) {
     if (Status status = addAsset(asset); !status) return status;
@@ -56,43 +59,92 @@ Result<osg::ref_ptr<osg::Object>> TileCache::decode(proto::AssetKind kind, std::
     return osg::ref_ptr<osg::Object>(image->get());
   }
   return codec_.read(bytes, [this](const std::string& name) {
-    const auto found = images_.find(name);
+    const auto id = imageNames_.find(name);
+    const auto found = id == imageNames_.end() ? images_.end() : images_.find(id->second);
     return found == images_.end() ? osg::ref_ptr<osg::Image>() : found->second;
   });
 }
 
+/// From the message or the disk; empty where the disk has it not.
+Result<std::string> TileCache::bytesOf(const proto::Asset& asset) {
+  const AssetId id{asset.id};
+  if (asset.diskBytes == 0) {
+    if (assetIdOf(asset.bytes) != id) return runtimeError("asset " + id.hex(), "was damaged on its way");
+    if (options_.disk) {
+      // A disk that is full costs the next start some time, and nothing else.
+      (void)options_.disk->add(id, static_cast<AssetKind>(asset.kind), asset.bytes);
+    }
+    return std::string(reinterpret_cast<const char*>(asset.bytes.data()), asset.bytes.size());
+  }
+  if (options_.disk) {
+    if (const auto stored = options_.disk->find(id)) {
+      auto bytes = options_.disk->read(id, *stored);
+      if (bytes && bytes->size() == asset.diskBytes) return bytes;
+    }
+  }
+  lacked_.push_back(asset.id);
+  return std::string();
+}
+
 Status TileCache::addAsset(const proto::Asset& asset) {
   const AssetId id{asset.id};
-  if (assetIdOf(asset.bytes) != id) return runtimeError("asset " + id.hex(), "was damaged on its way");
-  const std::string_view bytes(reinterpret_cast<const char*>(asset.bytes.data()), asset.bytes.size());
+  auto bytes = bytesOf(asset);
+  if (!bytes) return bytes.error();
+  std::vector<AssetId> needs;
+  for (const proto::Sha256& needed : asset.needs)
+    needs.push_back(AssetId{needed});
+  books_.addAsset(id, asset.size(), needs);
+  if (bytes->empty()) return Done{};
+  Waiting waiting{id, asset.kind, std::move(*bytes)};
+  if (uploadMs_ <= 0) return make(waiting);
+  waiting_.push_back(std::move(waiting));
+  return Done{};
+}
+
+Status TileCache::prepare() {
+  const auto start = std::chrono::steady_clock::now();
+  while (!waiting_.empty()) {
+    // It may have been dropped while it waited.
+    if (books_.hasAsset(waiting_.front().id)) {
+      if (Status status = make(waiting_.front()); !status) return status;
+    }
+    waiting_.pop_front();
+    const std::chrono::duration<float, std::milli> spent = std::chrono::steady_clock::now() - start;
+    if (uploadMs_ > 0 && spent.count() >= uploadMs_) break;
+  }
+  return Done{};
+}
+
+Status TileCache::make(const Waiting& asset) {
   osg::ref_ptr<osg::Object> object;
-  if (decodes_) {
-    auto read = decode(asset.kind, bytes);
-    if (!read) return runtimeError("asset " + id.hex(), read.error().what);
+  if (options_.decodes) {
+    auto read = decode(asset.kind, asset.bytes);
+    if (!read) return runtimeError("asset " + asset.id.hex(), read.error().what);
     object = *read;
   }
   bool isRightKind = true;
   switch (asset.kind) {
     case proto::AssetKind::Drawable: {
-      auto& drawable = drawables_[id] = dynamic_cast<osg::Drawable*>(object.get());
-      isRightKind = !decodes_ || drawable;
+      auto& drawable = drawables_[asset.id] = dynamic_cast<osg::Drawable*>(object.get());
+      isRightKind = !options_.decodes || drawable;
       if (!drawable) break;
       if (Status status = DeformSource::takeFrom(*drawable); !status)
-        return runtimeError("asset " + id.hex(), status.error().what);
+        return runtimeError("asset " + asset.id.hex(), status.error().what);
       break;
     }
     case proto::AssetKind::State: {
-      auto& state = states_[id] = dynamic_cast<osg::StateSet*>(object.get());
-      isRightKind = !decodes_ || state;
+      auto& state = states_[asset.id] = dynamic_cast<osg::StateSet*>(object.get());
+      isRightKind = !options_.decodes || state;
       break;
     }
     case proto::AssetKind::Image: {
-      auto& image = images_[id.hex()] = dynamic_cast<osg::Image*>(object.get());
-      isRightKind = !decodes_ || image;
+      auto& image = images_[asset.id] = dynamic_cast<osg::Image*>(object.get());
+      imageNames_[asset.id.hex()] = asset.id;
+      isRightKind = !options_.decodes || image;
       break;
     }
   }
-  if (!isRightKind) return runtimeError("asset " + id.hex(), "is not of the kind that the master said");
+  if (!isRightKind) return runtimeError("asset " + asset.id.hex(), "is not of the kind that the master said");
   return Done{};
 }
 
@@ -101,27 +153,66 @@ Status TileCache::add(const proto::Leaves& message, std::uint32_t leafCount) {
     const std::string name = "leaf " + std::to_string(record.id);
     if (record.id >= leafCount)
       return runtimeError(name, "is beyond the scene's " + std::to_string(leafCount) + " leaves");
-    const auto drawable = drawables_.find(AssetId{record.drawable});
-    const auto state = states_.find(AssetId{record.state});
-    if (drawable == drawables_.end() || state == states_.end())
-      return runtimeError(name, "names an asset that was not sent");
+    books_.addLeaf(record.id, AssetId{record.drawable}, AssetId{record.state});
     CachedLeaf& leaf = leaves_[record.id];
-    leaf.drawable = drawable->second;
-    leaf.state = state->second;
+    leaf = CachedLeaf{};
+    leaf.drawableId = AssetId{record.drawable};
+    leaf.stateId = AssetId{record.state};
     leaf.stateRank = rankOf(record.state);
     leaf.localToWorld = record.localToWorld;
     leaf.center = record.center;
+    leaf.boxCenter = record.center;
+    leaf.halfAxes = record.halfAxes;
+    leaf.meanRgb = record.meanRgb;
     leaf.recordToWorld = record.localToWorld;
-    leaf.deformer = nullptr;
     const Mat3 linear = record.localToWorld.topLeftCorner<3, 3>();
     leaf.localCenter = linear.inverse() * (record.center - record.localToWorld.topRightCorner<3, 1>());
     if (!leaf.localCenter.allFinite()) leaf.localCenter.setZero();
-    if (record.billboard && decodes_) {
+    if (record.billboard && options_.decodes) {
       leaf.billboard = billboardOf(*record.billboard);
       leaf.billboardPosition = toOsg(record.billboard->position);
     }
   }
   return Done{};
+}
+
+Status TileCache::keep(const proto::Keep& message, std::uint32_t leafCount) {
+  const auto kept = proto::applyListDelta({}, message.leaves, leafCount);
+  if (!kept) return kept.error();
+  forEachLeaf(*kept, [this](std::uint32_t leaf) { books_.keep(leaf); });
+  return Done{};
+}
+
+void TileCache::show(const VisibleList& toggled) {
+  books_.show(toggled);
+  const LeafCache::Dropped& dropped = books_.trim();
+  for (const std::uint32_t leaf : dropped.leaves)
+    leaves_.erase(leaf);
+  for (const AssetId& id : dropped.assets) {
+    drawables_.erase(id);
+    states_.erase(id);
+    if (images_.erase(id) > 0) imageNames_.erase(id.hex());
+  }
+}
+
+bool TileCache::isComplete(std::uint32_t leaf) const {
+  const auto found = leaves_.find(leaf);
+  return found != leaves_.end() && drawables_.contains(found->second.drawableId) &&
+         states_.contains(found->second.stateId);
+}
+
+CachedLeaf* TileCache::find(std::uint32_t leaf) {
+  const auto found = leaves_.find(leaf);
+  if (found == leaves_.end()) return nullptr;
+  CachedLeaf& cached = found->second;
+  if (cached.canBeDrawn()) return &cached;
+  const auto drawable = drawables_.find(cached.drawableId);
+  const auto state = states_.find(cached.stateId);
+  if (drawable == drawables_.end() || state == states_.end()) return &cached;
+  cached.drawable = drawable->second;
+  cached.state = state->second;
+  if (!cached.joints.empty() || !cached.weights.empty()) (void)shape(cached);
+  return &cached;
 }
 
 Status TileCache::add(const proto::Poses& message) {
@@ -144,19 +235,23 @@ Status TileCache::place(CachedLeaf& leaf, const proto::Pose& pose) const {
   // Good enough to sort by: where the middle of the record's sphere has gone.
   const Vec3 center = pose.joints.empty() ? leaf.localCenter : Vec3(Vec3::Zero());
   leaf.center = leaf.localToWorld.topLeftCorner<3, 3>() * center + leaf.localToWorld.topRightCorner<3, 1>();
-  if ((pose.joints.empty() && pose.weights.empty()) || !decodes_) return Done{};
+  if ((pose.joints.empty() && pose.weights.empty()) || !options_.decodes) return Done{};
+  if (!pose.joints.empty()) leaf.joints = pose.joints;
+  if (!pose.weights.empty()) leaf.weights = pose.weights;
+  return leaf.drawable ? shape(leaf) : Done{};
+}
+
+Status TileCache::shape(CachedLeaf& leaf) {
   if (!leaf.deformer) {
     if (!leaf.drawable->asGeometry() || !DeformSource::of(*leaf.drawable))
       return runtimeError("", "has a shape for a drawable that keeps its own");
     leaf.deformer = new LeafDeformer(*leaf.drawable->asGeometry());
     leaf.drawable = leaf.deformer->geometry();
   }
-  return leaf.deformer->pose(pose.joints, pose.weights);
-}
-
-const CachedLeaf* TileCache::find(std::uint32_t leaf) const {
-  const auto found = leaves_.find(leaf);
-  return found == leaves_.end() ? nullptr : &found->second;
+  const Status status = leaf.deformer->pose(leaf.joints, leaf.weights);
+  leaf.joints.clear();
+  leaf.weights.clear();
+  return status;
 }
 
 }  // namespace tessera

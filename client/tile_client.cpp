@@ -1,11 +1,13 @@
 #include "client/tile_client.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "client/leaf_box.h"
 #include "client/tile_cache.h"
 #include "client/tile_view.h"
 #include "common/base/host.h"
@@ -20,6 +22,7 @@ using net::awaitable;
 
 constexpr net::Milliseconds kHandshakeDeadline{10'000};
 constexpr net::Milliseconds kWriteDeadline{10'000};
+constexpr std::size_t kMostHave = 1 << 22;                // a master takes no more
 constexpr std::chrono::microseconds kPollPeriod{16'667};  // 60 Hz
 
 /// One conversation with the master, from Welcome to the end.
@@ -27,12 +30,16 @@ class TileConversation {
  public:
   /// `surfaces` is null where nothing is drawn.
   TileConversation(net::asio::io_context& io, std::shared_ptr<net::Connection> master, proto::Welcome welcome,
-                   SurfaceMaker* surfaces)
+                   const TileOptions& options)
       : master_(std::move(master)),
         welcome_(std::move(welcome)),
-        surfaces_(surfaces),
+        surfaces_(options.surfaces),
         nextPoll_(io),
-        cache_(surfaces != nullptr) {}
+        cache_({.decodes = options.surfaces != nullptr,
+                .budgetBytes = options.cacheBytes > 0 ? options.cacheBytes : LeafCache::kNoBudget,
+                .disk = options.disk}) {
+    cache_.setUploadMs(welcome_.uploadMs);
+  }
 
   Status openSurface() {
     if (!surfaces_) return Done{};
@@ -95,7 +102,12 @@ class TileConversation {
  private:
   static std::string nameOf(const proto::Frame& frame) { return "frame " + std::to_string(frame.frame); }
 
-  Status handle(const proto::Assets& message) { return cache_.add(message); }
+  Status handle(const proto::Assets& message) {
+    if (Status status = cache_.add(message); !status) return status;
+    sayWhatIsLacked();
+    return Done{};
+  }
+  Status handle(const proto::Keep& message) { return cache_.keep(message, welcome_.leafCount); }
   Status handle(const proto::Leaves& message) { return cache_.add(message, welcome_.leafCount); }
 
   Status handle(const proto::Poses& message) { return cache_.add(message); }
@@ -117,25 +129,62 @@ class TileConversation {
     if (Status status = list_.decode(frame.toggles); !status) return status;
     if (leafCount(list_.list()) != frame.listLeafCount)
       return runtimeError(nameOf(frame), "has a list of the wrong length");
-    // What was listed before is here.
+    // What was listed before has a record.
     for (const LeafRange range : list_.toggled()) {
       for (std::uint32_t leaf = range.first; leaf != range.last; ++leaf) {
         if (!cache_.has(leaf))
           return runtimeError(nameOf(frame), "lists leaf " + std::to_string(leaf) + ", which was not sent");
+        noteMissing(leaf);
       }
     }
     frame_ = frame.frame;
     wantPicture_ = frame.wantPicture;
     const std::int64_t start = monotonicNs();
+    if (Status status = cache_.prepare(); !status) return status;
+    const std::size_t missed = missing_.size();
+    std::erase_if(missing_, [this](std::uint32_t leaf) { return cache_.isComplete(leaf); });
+    const bool hasNewList = frame.baseFrame == 0 || !frame.toggles.empty() || missing_.size() != missed;
+    cache_.show(list_.toggled());
     if (view_) {
-      if (frame.baseFrame == 0 || !frame.toggles.empty()) view_->setList(list_.list(), cache_);
+      if (hasNewList) view_->setList(list_.list(), cache_, welcome_.onMiss == proto::OnMiss::Box);
       if (Status status = view_->draw(frame, factsOf(frame)); !status) return status;
       surface_->finish();
     }
     const auto drawUs = static_cast<std::uint32_t>((monotonicNs() - start) / 1000);
     isReady_ = true;
-    master_->send(proto::encode(proto::Ready{frame.frame, drawUs, frame.listLeafCount}));
+    master_->send(proto::encode(proto::Ready{.frame = frame.frame,
+                                             .drawUs = drawUs,
+                                             .leafCount = frame.listLeafCount,
+                                             .missingLeaves = static_cast<std::uint32_t>(missing_.size()),
+                                             .missingPx = missingPixels(frame)}));
     return Done{};
+  }
+
+  /// Leaf is in the list now, or not any more.
+  void noteMissing(std::uint32_t leaf) {
+    if (cache_.isComplete(leaf)) return;
+    if (containsLeaf(list_.list(), leaf)) {
+      missing_.push_back(leaf);
+    } else {
+      std::erase(missing_, leaf);
+    }
+  }
+
+  [[nodiscard]] std::uint64_t missingPixels(const proto::Frame& frame) {
+    std::uint64_t px = 0;
+    for (const std::uint32_t leaf : missing_)
+      px += pixelsOf(*cache_.find(leaf), frame, welcome_.widthPx, welcome_.heightPx);
+    return std::min(
+        px, static_cast<std::uint64_t>(welcome_.widthPx) * static_cast<std::uint64_t>(welcome_.heightPx));
+  }
+
+  void sayWhatIsLacked() {
+    const std::vector<proto::Sha256> ids = cache_.takeLacked();
+    for (std::size_t first = 0; first < ids.size(); first += proto::kMaxLacks) {
+      const std::size_t count = std::min(proto::kMaxLacks, ids.size() - first);
+      const auto begin = ids.begin() + static_cast<std::ptrdiff_t>(first);
+      master_->send(proto::encode(proto::Lacks{{begin, begin + static_cast<std::ptrdiff_t>(count)}}));
+    }
   }
 
   [[nodiscard]] OverlayFacts factsOf(const proto::Frame& frame) const {
@@ -201,6 +250,7 @@ class TileConversation {
   TileCache cache_;
   std::optional<TileView> view_;
   proto::ListDecoder list_{welcome_.leafCount};
+  std::vector<std::uint32_t> missing_;  ///< in the list and not complete
   FrameRate rate_;
   std::uint64_t frame_ = 0, framesShown_ = 0, bytesReceived_ = 0;
   bool hasSetup_ = false;
@@ -234,6 +284,16 @@ class TileGroup {
     }
   }
 
+  [[nodiscard]] std::vector<proto::Sha256> whatTheDiskHas() const {
+    std::vector<proto::Sha256> ids;
+    if (!options_.disk) return ids;
+    for (const DiskStore::Content& content : options_.disk->contents()) {
+      if (ids.size() == kMostHave) break;
+      ids.push_back(content.id.bytes);
+    }
+    return ids;
+  }
+
   awaitable<Result<std::shared_ptr<TileConversation>>> join(std::shared_ptr<net::Connection> master,
                                                             std::string name) {
     master->startWriter(kWriteDeadline);
@@ -245,7 +305,15 @@ class TileGroup {
     hello.pid = static_cast<std::uint32_t>(::getpid());
     if (options_.surfaces)
       hello.maxWidthPx = hello.maxHeightPx = static_cast<std::uint32_t>(options_.surfaces->maxSidePx());
+    hello.cacheBytes = options_.cacheBytes;
+    const std::vector<proto::Sha256> have = whatTheDiskHas();
+    hello.haveCount = static_cast<std::uint32_t>(have.size());
     master->send(proto::encode(hello));
+    for (std::size_t first = 0; first < have.size(); first += proto::kMaxAssetsPerMessage) {
+      const auto begin = have.begin() + static_cast<std::ptrdiff_t>(first);
+      const std::size_t count = std::min(proto::kMaxAssetsPerMessage, have.size() - first);
+      master->send(proto::encode(proto::Have{{begin, begin + static_cast<std::ptrdiff_t>(count)}}));
+    }
     auto reply = co_await master->read(proto::Expect::WelcomeOrError, kHandshakeDeadline);
     if (!reply) co_return reply.error();
     if (reply->type == proto::MessageType::Error) {
@@ -254,7 +322,7 @@ class TileGroup {
     }
     auto welcome = proto::decodeWelcome(reply->payload);
     if (!welcome) co_return welcome.error();
-    auto tile = std::make_shared<TileConversation>(io_, master, std::move(*welcome), options_.surfaces);
+    auto tile = std::make_shared<TileConversation>(io_, master, std::move(*welcome), options_);
     if (Status status = tile->openSurface(); !status) {
       master->send(proto::encode(proto::ErrorMessage{proto::ErrorCode::Internal, status.error().text()}));
       co_return status.error();
@@ -299,7 +367,13 @@ class TileGroup {
 }  // namespace
 
 Status runTiles(const TileOptions& options) {
-  return TileGroup(options).run();
+  Status status = TileGroup(options).run();
+  if (!options.disk) return status;
+  // What the disk cannot take now is sent again next time.
+  if (const Status published = options.disk->publish(); !published)
+    spdlog::warn("{}", published.error().text());
+  options.disk->evict();
+  return status;
 }
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "client/tile_client.h"
+#include "common/assets/store_folder.h"
 #include "common/base/log.h"
 
 namespace tessera {
@@ -20,12 +21,17 @@ namespace {
 
 using proto::SurfaceKind;
 
+/// A tile that dies loses the pack that it is writing.
+constexpr std::uint64_t kDiskPackBytes = std::uint64_t{8} << 20;
+
 struct Flags {
   std::string address, window;
   TileOptions tile;
   SurfaceOptions surface;
   double connectS = 10;
   int eglDevice = 0;
+  std::uint64_t diskBytes = 0;
+  std::string cacheFolder;
 };
 
 int fail(const Error& error) {
@@ -58,6 +64,20 @@ void addFlags(CLI::App& app, Flags& flags) {
   app.add_option("--connect-timeout", flags.connectS, "Seconds to wait for the master")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 3600.0));
+  app.add_option("--cache", flags.tile.cacheBytes,
+                 "Memory for the geometry of a tile, such as 256MB; what was not seen longest is dropped, "
+                 "never what is. 0: no limit")
+      ->transform(CLI::AsSizeValue(false))
+      ->default_str("1GB")
+      ->envname("TESSERA_CACHE");
+  app.add_option("--disk-cache", flags.diskBytes,
+                 "Disk space, such as 4GB, for geometry that is there at the next start; 0: none")
+      ->transform(CLI::AsSizeValue(false))
+      ->default_str("0")
+      ->envname("TESSERA_DISK_CACHE");
+  app.add_option("--cache-dir", flags.cacheFolder,
+                 "Folder of the disk cache; default: $XDG_CACHE_HOME/tessera/tiles or ~/.cache/tessera/tiles")
+      ->envname("TESSERA_CACHE_DIR");
   const char* windows = "Windows (--surface window)";
   app.add_option("--monitor", flags.surface.monitor,
                  "Full screen on the monitor of this name, such as HDMI-1")
@@ -128,6 +148,16 @@ Status run(Flags& flags, char** argv, const TileProgram& program) {
     surfaces = program.surfacesOf(flags.tile.surface, flags.surface);
     if (!surfaces) return become(program.sibling, argv);
     if (Status status = surfaces->check(); !status) return status;
+  }
+  if (flags.diskBytes > 0) {
+    const auto folder = flags.cacheFolder.empty() ? defaultCacheFolder("tiles")
+                                                  : Result(std::filesystem::path(flags.cacheFolder));
+    auto disk = folder ? DiskStore::open(
+                             {.folder = *folder, .budgetBytes = flags.diskBytes, .packBytes = kDiskPackBytes})
+                       : Result<std::unique_ptr<DiskStore>>(folder.error());
+    // A tile can do without.
+    if (!disk) spdlog::warn("{}; going on without a disk cache", disk.error().text());
+    if (disk) flags.tile.disk = std::move(*disk);
   }
   flags.tile.surfaces = surfaces.get();
   return runTiles(flags.tile);

@@ -12,6 +12,8 @@
 #include <osg/Material>
 #include <osgUtil/CullVisitor>
 
+#include "client/leaf_box.h"
+
 namespace tessera {
 
 namespace {
@@ -68,10 +70,17 @@ class LeafListNode : public osg::Node {
     fill_ = directionalLight(1, osg::Vec3(-0.60F, 0.25F, -0.55F), osg::Vec4(0.16F, 0.18F, 0.22F, 1), 0);
   }
 
-  void setList(const VisibleList& list, const TileCache& cache) {
+  void setList(const VisibleList& list, TileCache& cache, bool drawsBoxes) {
     leaves_.clear();
+    boxes_.clear();
     forEachLeaf(list, [&](std::uint32_t id) {
-      if (const CachedLeaf* leaf = cache.find(id)) leaves_.emplace_back(leaf->stateRank, id, leaf);
+      CachedLeaf* leaf = cache.find(id);
+      if (!leaf) return;
+      if (leaf->canBeDrawn()) {
+        leaves_.emplace_back(leaf->stateRank, id, leaf);
+      } else if (drawsBoxes) {
+        boxes_.push_back(leaf);
+      }
     });
     std::sort(leaves_.begin(), leaves_.end());
   }
@@ -99,6 +108,8 @@ class LeafListNode : public osg::Node {
       add(*cull, *leaf);
     }
     if (current) cull->popStateSet();
+    for (CachedLeaf* leaf : boxes_)
+      addBox(*cull, *leaf);
     cull->popStateSet();
   }
 
@@ -107,6 +118,14 @@ class LeafListNode : public osg::Node {
     Mat4 m = Mat4::Identity();
     m.topLeftCorner<3, 3>() = rotation_;
     return m;
+  }
+
+  void addBox(osgUtil::CullVisitor& cull, CachedLeaf& leaf) const {
+    Mat4 relative = boxToWorld(leaf);
+    relative.col(3).head<3>() -= eye_;
+    const double depth = -(rotation_.row(2) * (leaf.boxCenter - eye_))(0);
+    cull.addDrawableAndDepth(&boxOf(leaf), new osg::RefMatrix(toOsg(rotationOnly() * relative)),
+                             static_cast<float>(depth));
   }
 
   void add(osgUtil::CullVisitor& cull, const CachedLeaf& leaf) const {
@@ -124,6 +143,7 @@ class LeafListNode : public osg::Node {
   }
 
   std::vector<std::tuple<std::uint32_t, std::uint32_t, const CachedLeaf*>> leaves_;
+  std::vector<CachedLeaf*> boxes_;  ///< of leaves that cannot be drawn yet
   osg::ref_ptr<osg::Light> sun_, fill_;
   Vec3 eye_ = Vec3::Zero();
   Mat3 rotation_ = Mat3::Identity();
@@ -155,8 +175,8 @@ TileView::TileView(const proto::Welcome& welcome, PixelSize drawn)
 
 TileView::~TileView() = default;
 
-void TileView::setList(const VisibleList& list, const TileCache& cache) {
-  leaves_->setList(list, cache);
+void TileView::setList(const VisibleList& list, TileCache& cache, bool drawsBoxes) {
+  leaves_->setList(list, cache, drawsBoxes);
 }
 
 Status TileView::configure(const proto::TileSetup& setup) {

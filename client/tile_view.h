@@ -36,8 +36,9 @@ class TileView {
   TileView(const TileView&) = delete;
   TileView& operator=(const TileView&) = delete;
 
-  /// The new list. Every leaf of it must be in the cache, which must outlive its use here.
-  void setList(const VisibleList& list, const TileCache& cache);
+  /// The new list. Every leaf of it must have a record in the cache, which must outlive its use here. Those
+  /// that cannot be drawn yet are left out, or stand as boxes.
+  void setList(const VisibleList& list, TileCache& cache, bool drawsBoxes);
   /// The tile's screen and display; see TileOutput.
   [[nodiscard]] Status configure(const proto::TileSetup& setup);
   /// Draws the list or, where the frame asks for one, a test pattern; once for each eye. `facts` are for the

@@ -32,6 +32,9 @@ using Bytes = std::vector<std::byte>;
 [[nodiscard]] Bytes encode(const ErrorMessage& error);
 [[nodiscard]] Bytes encode(const TileSetup& setup);
 [[nodiscard]] Bytes encode(const Input& input);
+[[nodiscard]] Bytes encode(const Have& have);
+[[nodiscard]] Bytes encode(const Lacks& lacks);
+[[nodiscard]] Bytes encode(const Keep& keep);
 [[nodiscard]] Bytes encode(const Poses& poses);
 
 /// Encodes the messages of every frame to the bytes of encode(), in memory that is kept: does not allocate
@@ -71,10 +74,13 @@ class Encoder {
 [[nodiscard]] Result<ErrorMessage> decodeError(std::span<const std::byte> payload);
 [[nodiscard]] Result<TileSetup> decodeTileSetup(std::span<const std::byte> payload);
 [[nodiscard]] Result<Input> decodeInput(std::span<const std::byte> payload);
+[[nodiscard]] Result<Have> decodeHave(std::span<const std::byte> payload);
+[[nodiscard]] Result<Lacks> decodeLacks(std::span<const std::byte> payload);
+[[nodiscard]] Result<Keep> decodeKeep(std::span<const std::byte> payload);
 [[nodiscard]] Result<Poses> decodePoses(std::span<const std::byte> payload);
 
 using AnyMessage = std::variant<Hello, Welcome, Assets, Leaves, Frame, Ready, Swap, Shown, Ping, Pong, Bye,
-                                ErrorMessage, TileSetup, Input, Poses>;
+                                ErrorMessage, TileSetup, Input, Have, Lacks, Keep, Poses>;
 
 /// The decoder that belongs to `type`; the terms above hold.
 [[nodiscard]] Result<AnyMessage> decode(MessageType type, std::span<const std::byte> payload);

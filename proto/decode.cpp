@@ -55,7 +55,9 @@ Result<Hello> decodeHello(std::span<const std::byte> payload) {
                             .surface = check.enumeration(hello->surface(), SurfaceKind::Egl, "surface"),
                             .pid = hello->pid(),
                             .maxWidthPx = hello->max_width_px(),
-                            .maxHeightPx = hello->max_height_px()});
+                            .maxHeightPx = hello->max_height_px(),
+                            .cacheBytes = hello->cache_bytes(),
+                            .haveCount = hello->have_count()});
 }
 
 Result<Welcome> decodeWelcome(std::span<const std::byte> payload) {
@@ -75,7 +77,9 @@ Result<Welcome> decodeWelcome(std::span<const std::byte> payload) {
                   .picture = check.enumeration(welcome->picture(), PictureFormat::RawRgb8, "picture"),
                   .backgroundRgb = colour(check, welcome->background()),
                   .wallWidthPx = welcome->wall_width_px(),
-                  .wallHeightPx = welcome->wall_height_px()};
+                  .wallHeightPx = welcome->wall_height_px(),
+                  .onMiss = check.enumeration(welcome->on_miss(), OnMiss::Skip, "on_miss"),
+                  .uploadMs = within(check, welcome->upload_ms(), 0.0F, 1e6F, "upload_ms")};
   const auto holds = [](std::int64_t wallPx, std::int64_t atPx, std::int64_t sidePx) {
     return atPx + sidePx <= wallPx;
   };
@@ -91,7 +95,9 @@ Result<Ready> decodeReady(std::span<const std::byte> payload) {
   if (ready == nullptr) return check.error();
   return check.finish(Ready{.frame = check.frameNumber(ready->frame()),
                             .drawUs = ready->draw_us(),
-                            .leafCount = ready->leaf_count()});
+                            .leafCount = ready->leaf_count(),
+                            .missingLeaves = ready->missing_leaves(),
+                            .missingPx = ready->missing_px()});
 }
 
 Result<Swap> decodeSwap(std::span<const std::byte> payload) {
@@ -182,6 +188,12 @@ Result<AnyMessage> decode(MessageType type, std::span<const std::byte> payload) 
       return toAny(decodeTileSetup(payload));
     case MessageType::Input:
       return toAny(decodeInput(payload));
+    case MessageType::Have:
+      return toAny(decodeHave(payload));
+    case MessageType::Lacks:
+      return toAny(decodeLacks(payload));
+    case MessageType::Keep:
+      return toAny(decodeKeep(payload));
     case MessageType::Poses:
       return toAny(decodePoses(payload));
   }

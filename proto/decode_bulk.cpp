@@ -32,14 +32,36 @@ std::optional<LeafBillboard> billboardOf(DecodeCheck& check, const wire::Billboa
       .position = check.vec3(billboard->position_m(), "billboard.position_m")};
 }
 
+std::vector<Sha256> idsOf(DecodeCheck& check, const flatbuffers::Vector<const wire::Sha256*>* ids,
+                          std::size_t most, std::string_view field) {
+  std::vector<Sha256> read;
+  if (ids == nullptr || !check.require(ids->size() <= most, ProtocolError::BadCount, field)) return read;
+  read.reserve(ids->size());
+  for (const wire::Sha256* id : *ids)
+    read.push_back(sha256Of(id));
+  return read;
+}
+
 LeafRecord leafOf(DecodeCheck& check, const wire::Leaf& leaf) {
   check.require(leaf.radius_m() >= 0, ProtocolError::BadNumber, "radius_m");
+  std::array<Vec3, 3> halfAxes = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  if (leaf.half_axes_m()) {
+    const wire::Mat3 copy = DecodeCheck::copyOf(leaf.half_axes_m());
+    for (std::uint16_t i = 0; i < 9; ++i)
+      halfAxes[i / 3][i % 3] = check.finite(copy.column_major()->Get(i), "half_axes_m");
+  }
+  std::array<float, 3> mean = {0, 0, 0};
+  if (leaf.mean()) mean = {leaf.mean()->r(), leaf.mean()->g(), leaf.mean()->b()};
+  for (const float channel : mean)
+    check.require(channel >= 0 && channel <= 1, ProtocolError::BadNumber, "mean");
   return {.id = leaf.id(),
           .drawable = sha256Of(leaf.drawable()),
           .state = sha256Of(leaf.state()),
           .localToWorld = check.mat4(leaf.local_to_world(), "local_to_world"),
           .center = check.vec3(leaf.center_m(), "center_m"),
           .radius = check.finite(leaf.radius_m(), "radius_m"),
+          .halfAxes = halfAxes,
+          .meanRgb = mean,
           .billboard = billboardOf(check, leaf.billboard())};
 }
 
@@ -76,10 +98,16 @@ Result<Assets> decodeAssets(std::span<const std::byte> payload) {
   assets.assets.reserve(count);
   std::size_t assetBytes = 0;
   for (const wire::Asset* asset : *wireAssets->assets()) {
-    assets.assets.push_back({.id = sha256Of(asset->id()),
-                             .kind = check.enumeration(asset->kind(), AssetKind::Image, "kind"),
-                             .bytes = bytesOf(asset->bytes())});
-    assetBytes += asset->bytes()->size();
+    const Asset& read =
+        assets.assets.emplace_back(Asset{.id = sha256Of(asset->id()),
+                                         .kind = check.enumeration(asset->kind(), AssetKind::Image, "kind"),
+                                         .bytes = bytesOf(asset->bytes()),
+                                         .diskBytes = asset->disk_bytes(),
+                                         .needs = idsOf(check, asset->needs(), kMaxAssetNeeds, "needs")});
+    check.require(read.diskBytes == 0 || (read.bytes.empty() && read.diskBytes <= kMaxAssetBytes),
+                  ProtocolError::BadNumber, "disk_bytes");
+    check.require(read.needs.empty() || read.kind == AssetKind::State, ProtocolError::BadCount, "needs");
+    assetBytes += read.bytes.size() + read.needs.size() * sizeof(Sha256);
   }
   check.require(assetBytes <= payload.size(), ProtocolError::BadCount, "bytes");
   return check.finish(std::move(assets));
@@ -125,6 +153,27 @@ Result<Frame> decodeFrame(std::span<const std::byte> payload) {
   check.require(0 < frame.nearM && frame.nearM < frame.farM, ProtocolError::BadDepthRange);
   check.require(areImageAxes(frame.right, frame.up), ProtocolError::BadAxes);
   return check.finish(frame);
+}
+
+Result<Have> decodeHave(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Have);
+  const auto* have = check.root<wire::Have>(payload);
+  if (have == nullptr) return check.error();
+  return check.finish(Have{idsOf(check, have->ids(), kMaxAssetsPerMessage, "ids")});
+}
+
+Result<Lacks> decodeLacks(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Lacks);
+  const auto* lacks = check.root<wire::Lacks>(payload);
+  if (lacks == nullptr) return check.error();
+  return check.finish(Lacks{idsOf(check, lacks->ids(), kMaxLacks, "ids")});
+}
+
+Result<Keep> decodeKeep(std::span<const std::byte> payload) {
+  DecodeCheck check(MessageType::Keep);
+  const auto* keep = check.root<wire::Keep>(payload);
+  if (keep == nullptr) return check.error();
+  return Keep{bytesOf(keep->leaves())};
 }
 
 Result<Poses> decodePoses(std::span<const std::byte> payload) {

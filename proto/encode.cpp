@@ -18,8 +18,8 @@ using Offset = flatbuffers::Offset<T>;
 
 constexpr std::size_t kSmallBytes = 512;
 // At least what a record adds to a buffer, vtables and padding included, so that the buffer need not grow.
-constexpr std::size_t kAssetOverheadBytes = 64;
-constexpr std::size_t kLeafBytes = 400;
+constexpr std::size_t kAssetOverheadBytes = 96;
+constexpr std::size_t kLeafBytes = 520;
 
 // The codec converts enumerations by number.
 static_assert(int(wire::SurfaceKind::MAX) == int(SurfaceKind::Egl));
@@ -27,6 +27,7 @@ static_assert(int(wire::PictureFormat::MAX) == int(PictureFormat::RawRgb8));
 static_assert(int(wire::AssetKind::MAX) == int(AssetKind::Image));
 static_assert(int(wire::BillboardMode::MAX) == int(BillboardMode::AxialRot));
 static_assert(int(wire::Pattern::MAX) == int(Pattern::Alignment));
+static_assert(int(wire::OnMiss::MAX) == int(OnMiss::Skip));
 static_assert(int(wire::StereoLayout::MAX) == int(StereoLayout::QuadBuffer));
 static_assert(int(wire::InputKind::MAX) == int(InputKind::Gamepad));
 static_assert(int(wire::ErrorCode::MAX) == int(ErrorCode::ShuttingDown));
@@ -53,6 +54,14 @@ wire::Mat4 toWire(const Mat4& m) {
 
 wire::Corners toWire(const std::array<Vec3, 4>& c) {
   return {toWire(c[0]), toWire(c[1]), toWire(c[2]), toWire(c[3])};
+}
+
+Offset<flatbuffers::Vector<const wire::Sha256*>> addIds(Builder& builder, const std::vector<Sha256>& ids) {
+  std::vector<wire::Sha256> converted;
+  converted.reserve(ids.size());
+  for (const Sha256& id : ids)
+    converted.push_back(toWire(id));
+  return builder.CreateVectorOfStructs(converted);
 }
 
 Offset<flatbuffers::Vector<std::uint8_t>> addBytes(Builder& builder, std::span<const std::byte> bytes) {
@@ -127,8 +136,13 @@ Offset<wire::Leaf> addLeaf(Builder& builder, const LeafRecord& leaf) {
   const wire::Sha256 state = toWire(leaf.state);
   const wire::Mat4 localToWorld = toWire(leaf.localToWorld);
   const wire::Vec3 center = toWire(leaf.center);
-  return wire::CreateLeaf(builder, leaf.id, &drawable, &state, &localToWorld, &center, leaf.radius,
-                          billboard);
+  std::array<double, 9> columns{};
+  for (std::size_t i = 0; i < 9; ++i)
+    columns[i] = leaf.halfAxes[i / 3][static_cast<Eigen::Index>(i % 3)];
+  const wire::Mat3 halfAxes{flatbuffers::span<const double, 9>(columns)};
+  const wire::Rgb mean = toWire(leaf.meanRgb);
+  return wire::CreateLeaf(builder, leaf.id, &drawable, &state, &localToWorld, &center, leaf.radius, billboard,
+                          &halfAxes, &mean);
 }
 
 /// Bytes of all assets together; where they exceed any message, just more than it may hold.
@@ -150,7 +164,7 @@ Bytes encode(const Hello& hello) {
   return finish(builder, MessageType::Hello,
                 wire::CreateHello(builder, tileName, programVersion, clockId,
                                   static_cast<wire::SurfaceKind>(hello.surface), hello.pid, hello.maxWidthPx,
-                                  hello.maxHeightPx));
+                                  hello.maxHeightPx, hello.cacheBytes, hello.haveCount));
 }
 
 Bytes encode(const Welcome& welcome) {
@@ -158,11 +172,12 @@ Bytes encode(const Welcome& welcome) {
   const auto wallName = builder.CreateString(welcome.wallName);
   const auto tileName = builder.CreateString(welcome.tileName);
   const wire::Rgb background(welcome.backgroundRgb[0], welcome.backgroundRgb[1], welcome.backgroundRgb[2]);
-  return finish(builder, MessageType::Welcome,
-                wire::CreateWelcome(builder, welcome.session, wallName, tileName, welcome.widthPx,
-                                    welcome.heightPx, welcome.xPx, welcome.yPx, welcome.idleTimeoutMs,
-                                    welcome.leafCount, static_cast<wire::PictureFormat>(welcome.picture),
-                                    &background, welcome.wallWidthPx, welcome.wallHeightPx));
+  return finish(
+      builder, MessageType::Welcome,
+      wire::CreateWelcome(builder, welcome.session, wallName, tileName, welcome.widthPx, welcome.heightPx,
+                          welcome.xPx, welcome.yPx, welcome.idleTimeoutMs, welcome.leafCount,
+                          static_cast<wire::PictureFormat>(welcome.picture), &background, welcome.wallWidthPx,
+                          welcome.wallHeightPx, static_cast<wire::OnMiss>(welcome.onMiss), welcome.uploadMs));
 }
 
 Bytes encode(const Assets& assets) {
@@ -174,7 +189,10 @@ Bytes encode(const Assets& assets) {
   for (const Asset& asset : assets.assets) {
     const auto bytes = addBytes(builder, asset.bytes);
     const wire::Sha256 id = toWire(asset.id);
-    offsets.push_back(wire::CreateAsset(builder, &id, static_cast<wire::AssetKind>(asset.kind), bytes));
+    Offset<flatbuffers::Vector<const wire::Sha256*>> needs;
+    if (!asset.needs.empty()) needs = addIds(builder, asset.needs);
+    offsets.push_back(wire::CreateAsset(builder, &id, static_cast<wire::AssetKind>(asset.kind), bytes,
+                                        asset.diskBytes, needs));
   }
   return finish(builder, MessageType::Assets, wire::CreateAssets(builder, builder.CreateVector(offsets)));
 }
@@ -187,6 +205,22 @@ Bytes encode(const Leaves& leaves) {
   std::transform(leaves.leaves.begin(), leaves.leaves.end(), std::back_inserter(offsets),
                  [&](const LeafRecord& leaf) { return addLeaf(builder, leaf); });
   return finish(builder, MessageType::Leaves, wire::CreateLeaves(builder, builder.CreateVector(offsets)));
+}
+
+Bytes encode(const Have& have) {
+  if (have.ids.size() > kMaxAssetsPerMessage) return {};
+  Builder builder(kSmallBytes + have.ids.size() * sizeof(Sha256));
+  return finish(builder, MessageType::Have, wire::CreateHave(builder, addIds(builder, have.ids)));
+}
+
+Bytes encode(const Lacks& lacks) {
+  Builder builder(kSmallBytes + lacks.ids.size() * sizeof(Sha256));
+  return finish(builder, MessageType::Lacks, wire::CreateLacks(builder, addIds(builder, lacks.ids)));
+}
+
+Bytes encode(const Keep& keep) {
+  Builder builder(kSmallBytes + keep.leaves.size());
+  return finish(builder, MessageType::Keep, wire::CreateKeep(builder, addBytes(builder, keep.leaves)));
 }
 
 Bytes encode(const Poses& poses) {
@@ -229,7 +263,8 @@ std::span<const std::byte> Encoder::encode(const Swap& swap) {
 Bytes encode(const Ready& ready) {
   Builder builder(kSmallBytes);
   return finish(builder, MessageType::Ready,
-                wire::CreateReady(builder, ready.frame, ready.drawUs, ready.leafCount));
+                wire::CreateReady(builder, ready.frame, ready.drawUs, ready.leafCount, ready.missingLeaves,
+                                  ready.missingPx));
 }
 
 Bytes encode(const Swap& swap) {

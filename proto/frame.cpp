@@ -79,6 +79,12 @@ std::string_view nameOf(MessageType type) {
       return "TileSetup";
     case MessageType::Input:
       return "Input";
+    case MessageType::Have:
+      return "Have";
+    case MessageType::Lacks:
+      return "Lacks";
+    case MessageType::Keep:
+      return "Keep";
     case MessageType::Poses:
       return "Poses";
   }

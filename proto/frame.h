@@ -45,17 +45,21 @@ enum class MessageType : std::uint16_t {
   Error = 12,
   TileSetup = 13,
   Input = 14,
+  Have = 15,
+  Lacks = 16,
+  Keep = 17,
   Poses = 20,
 };
 
 [[nodiscard]] constexpr bool isKnown(MessageType type) {
-  return (type >= MessageType::Hello && type <= MessageType::Input) || type == MessageType::Poses;
+  return (type >= MessageType::Hello && type <= MessageType::Keep) || type == MessageType::Poses;
 }
 
 /// What a receiver is ready to accept; decides which message types may come.
 enum class Expect {
   Anything,        ///< any known type
   Hello,           ///< the master, before the handshake
+  Have,            ///< the master, of a tile that has said Hello and has more to say
   WelcomeOrError,  ///< a tile, before the handshake
   FromTile,        ///< the master, after the handshake
   FromMaster,      ///< a tile, after the handshake
@@ -63,13 +67,15 @@ enum class Expect {
 
 [[nodiscard]] constexpr bool isFromTile(MessageType type) {
   return type == MessageType::Ready || type == MessageType::Shown || type == MessageType::Pong ||
-         type == MessageType::Bye || type == MessageType::Error || type == MessageType::Input;
+         type == MessageType::Bye || type == MessageType::Error || type == MessageType::Input ||
+         type == MessageType::Lacks;
 }
 
 [[nodiscard]] constexpr bool isFromMaster(MessageType type) {
   return type == MessageType::Assets || type == MessageType::Leaves || type == MessageType::Frame ||
          type == MessageType::Swap || type == MessageType::Ping || type == MessageType::Bye ||
-         type == MessageType::Error || type == MessageType::TileSetup || type == MessageType::Poses;
+         type == MessageType::Error || type == MessageType::TileSetup || type == MessageType::Poses ||
+         type == MessageType::Keep;
 }
 
 [[nodiscard]] constexpr bool isExpected(MessageType type, Expect expect) {
@@ -78,6 +84,8 @@ enum class Expect {
       return isKnown(type);
     case Expect::Hello:
       return type == MessageType::Hello;
+    case Expect::Have:
+      return type == MessageType::Have;
     case Expect::WelcomeOrError:
       return type == MessageType::Welcome || type == MessageType::Error;
     case Expect::FromTile:
@@ -105,7 +113,11 @@ inline constexpr std::uint32_t kMaxPayloadBytes = 256U << 20U;
     case MessageType::Frame:
     case MessageType::TileSetup:
     case MessageType::Poses:
+    case MessageType::Have:
+    case MessageType::Keep:
       return 64U << 20U;
+    case MessageType::Lacks:
+      return 64U << 10U;
     case MessageType::Hello:
     case MessageType::Welcome:
     case MessageType::Bye:

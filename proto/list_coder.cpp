@@ -21,7 +21,8 @@ class BoundaryCopy {
     // A range is its two boundaries.
     static_assert(sizeof(LeafRange) == 2 * sizeof(std::uint32_t));
     if (count == 0) return;
-    std::memcpy(at(written_), reinterpret_cast<const std::byte*>(from_.data()) + read_ * sizeof(std::uint32_t),
+    std::memcpy(at(written_),
+                reinterpret_cast<const std::byte*>(from_.data()) + read_ * sizeof(std::uint32_t),
                 count * sizeof(std::uint32_t));
     read_ += count;
     written_ += count;
@@ -121,7 +122,8 @@ void ListEncoder::encode(const VisibleList& toggled, std::vector<std::byte>& out
   RangeEncoder coder(out);
   model_.codeCount(coder, static_cast<std::uint32_t>(pieces_.size()));
   const ListIntervals intervals(list_, leafCount_);
-  ListModel::Place place = {.interval = intervals.first(), .left = static_cast<std::uint32_t>(pieces_.size())};
+  ListModel::Place place = {.interval = intervals.first(),
+                            .left = static_cast<std::uint32_t>(pieces_.size())};
   for (TogglePiece& piece : pieces_)
     model_.codePiece(coder, intervals, place, piece);
   coder.finish();
@@ -143,7 +145,8 @@ Status ListDecoder::decode(std::span<const std::byte> bytes) {
   toggled_.clear();
   if (bytes.empty()) return Done{};
   const bool isPlain = bytes.front() == kPlainDelta;
-  Status status = isPlain ? applyListDeltaInto({}, bytes.subspan(1), leafCount_, toggled_) : readPieces(bytes);
+  Status status =
+      isPlain ? applyListDeltaInto({}, bytes.subspan(1), leafCount_, toggled_) : readPieces(bytes);
   if (!status) {
     toggled_.clear();
     return status;
@@ -163,7 +166,8 @@ Status ListDecoder::decode(std::span<const std::byte> bytes) {
 Status ListDecoder::readPieces(std::span<const std::byte> bytes) {
   RangeDecoder coder(bytes);
   const std::uint32_t count = model_.codeCount(coder, 1);
-  if (count > mostPieces(bytes.size())) return refused(ProtocolError::BadList, "too many pieces for its bytes");
+  if (count > mostPieces(bytes.size()))
+    return refused(ProtocolError::BadList, "too many pieces for its bytes");
   const ListIntervals intervals(list_, leafCount_);
   ListModel::Place place = {.interval = intervals.first(), .left = count};
   pieces_.clear();
@@ -174,7 +178,8 @@ Status ListDecoder::readPieces(std::span<const std::byte> bytes) {
       return refused(ProtocolError::BadList, "a leaf id is too large");
   }
   if (!coder.isExact()) {
-    return coder.isPastEnd() ? refused(ProtocolError::Truncated) : refused(ProtocolError::BadList, "it ends otherwise than it should");
+    return coder.isPastEnd() ? refused(ProtocolError::Truncated)
+                             : refused(ProtocolError::BadList, "it ends otherwise than it should");
   }
   return Done{};
 }

@@ -40,9 +40,9 @@ class ListDecoder {
   explicit ListDecoder(std::uint32_t leafCount) : leafCount_(leafCount) {}
 
   void reset();
-  /// Moves the list on. Safe for untrusted bytes: anything that an encoder cannot have written from this list is
-  /// refused (ProtocolError::BadList, Truncated or TrailingBytes), and after that only reset() is of use. The
-  /// work and the memory are bounded by the list and 64 ranges for each byte.
+  /// Moves the list on. Safe for untrusted bytes: anything that an encoder cannot have written from this list
+  /// is refused (ProtocolError::BadList, Truncated or TrailingBytes), and after that only reset() is of use.
+  /// The work and the memory are bounded by the list and 64 ranges for each byte.
   [[nodiscard]] Status decode(std::span<const std::byte> bytes);
 
   /// Canonical and within the leaf count.

@@ -32,8 +32,7 @@ class ListIntervals {
   [[nodiscard]] LeafRange operator[](std::uint64_t i) const {
     const std::size_t range = static_cast<std::size_t>(i / 2);
     if (i % 2 == 1) return list_[range];
-    return {range == 0 ? 0 : list_[range - 1].last,
-            range == list_.size() ? leafCount_ : list_[range].first};
+    return {range == 0 ? 0 : list_[range - 1].last, range == list_.size() ? leafCount_ : list_[range].first};
   }
 
  private:
@@ -107,10 +106,13 @@ class NumberModel {
     for (unsigned told = 0; told < 2 && left > 0; ++told) {
       --left;
       const bool isForced = ((value << 1U | 1U) << left) > std::uint64_t{most} + 1;
-      const bool bit = !isForced && coder.bit(top[told == 0 ? 0 : 1 + (value & 1U)], ((wanted >> left) & 1U) != 0);
+      const bool bit =
+          !isForced && coder.bit(top[told == 0 ? 0 : 1 + (value & 1U)], ((wanted >> left) & 1U) != 0);
       value = value << 1U | (bit ? 1U : 0U);
     }
-    if (left > 0) value = (value << left) + codeEven(coder, wanted & ((std::uint64_t{1} << left) - 1), std::uint64_t{1} << left);
+    if (left > 0)
+      value = (value << left) +
+              codeEven(coder, wanted & ((std::uint64_t{1} << left) - 1), std::uint64_t{1} << left);
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(value - 1, std::uint64_t{most} + 1));
   }
 
@@ -120,8 +122,8 @@ class NumberModel {
   std::array<std::array<AdaptiveBit, 3>, kLast + 1> top_ = {};
 };
 
-/// What was learned of the deltas of one list, and how a delta is told with it. Encoder and decoder go through
-/// the same steps with a Coder each.
+/// What was learned of the deltas of one list, and how a delta is told with it. Encoder and decoder go
+/// through the same steps with a Coder each.
 class ListModel {
  public:
   /// Codes how many pieces there are, 1 at the least.
@@ -135,9 +137,9 @@ class ListModel {
   /// Where a delta has got to.
   struct Place {
     std::uint64_t interval = 0;
-    std::uint32_t first = 0;   ///< the leaf from which on pieces may begin
-    bool isWithin = false;     ///< after a piece of the same interval
-    std::uint32_t left = 0;    ///< pieces to come
+    std::uint32_t first = 0;  ///< the leaf from which on pieces may begin
+    bool isWithin = false;    ///< after a piece of the same interval
+    std::uint32_t left = 0;   ///< pieces to come
   };
 
   /// Codes the next piece and moves on. False where there is no room for one, which no encoder has written.
@@ -175,7 +177,8 @@ class ListModel {
   struct Within {
     std::array<AdaptiveBit, 8> isWhole = {}, isAtFirst = {}, isAtLast = {}, isFromFirst = {};
     NumberModel gap{std::array<std::uint8_t, 1>{150}};
-    NumberModel edgeLength{std::array<std::uint8_t, 2>{60, 100}}, innerLength{std::array<std::uint8_t, 2>{60, 100}};
+    NumberModel edgeLength{std::array<std::uint8_t, 2>{60, 100}},
+        innerLength{std::array<std::uint8_t, 2>{60, 100}};
   };
 
   template <class Coder>
@@ -209,9 +212,8 @@ class ListModel {
       return true;
     }
     // Neither end is reached, so that there are three leaves at least. The gap is the shorter one of two.
-    const bool isFromFirst =
-        size == 3 ||
-        coder.bit(model.isFromFirst[sizeClass], piece.first - room.first <= room.last - piece.last);
+    const bool isFromFirst = size == 3 || coder.bit(model.isFromFirst[sizeClass],
+                                                    piece.first - room.first <= room.last - piece.last);
     const std::uint32_t mostGap = (size - (isFromFirst ? 1 : 2)) / 2;
     const std::uint32_t shorter = isFromFirst ? piece.first - room.first : room.last - piece.last;
     const std::uint32_t gap = model.gap.code(coder, shorter - 1, mostGap - 1) + 1;

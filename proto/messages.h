@@ -40,7 +40,22 @@ struct Hello {
   SurfaceKind surface = SurfaceKind::None;
   std::uint32_t pid = 0;
   std::uint32_t maxWidthPx = 0, maxHeightPx = 0;  ///< largest picture the surface can draw; 0: no limit known
+  std::uint64_t cacheBytes = 0;                   ///< budget of the tile's cache (leaf_cache.h); 0: none
+  std::uint32_t haveCount = 0;                    ///< assets on its disk, told by Have before Welcome
   friend bool operator==(const Hello&, const Hello&) = default;
+};
+
+/// Tile to master, right after Hello until `haveCount` ids are told: assets that lie on its disk.
+struct Have {
+  std::vector<Sha256> ids = {};
+  friend bool operator==(const Have&, const Have&) = default;
+};
+
+/// What a tile does with a leaf that is listed but whose assets are not there yet.
+enum class OnMiss : std::uint8_t {
+  Wait = 0,  ///< nothing is listed before it is there
+  Box = 1,   ///< draws its box in its mean colour
+  Skip = 2,  ///< leaves it out
 };
 
 enum class PictureFormat : std::uint8_t {
@@ -60,6 +75,8 @@ struct Welcome {
   PictureFormat picture = PictureFormat::None;     ///< how to send the pictures that a frame wants
   std::array<float, 3> backgroundRgb = {0, 0, 0};  ///< each in [0, 1]
   std::int32_t wallWidthPx = 0, wallHeightPx = 0;  ///< of the whole picture, which holds the tile
+  OnMiss onMiss = OnMiss::Wait;
+  float uploadMs = 0;  ///< most time a frame may spend on making assets drawable; 0: as long as it takes
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
@@ -69,6 +86,26 @@ struct Asset {
   Sha256 id = {};  ///< SHA-256 of `bytes`; the decoder does not check it, the receiver must
   AssetKind kind = AssetKind::Drawable;
   std::span<const std::byte> bytes = {};
+  std::uint32_t diskBytes = 0;     ///< not 0: the bytes, as many, lie on the tile's disk; `bytes` is empty
+  std::vector<Sha256> needs = {};  ///< of a state: its images; at most kMaxAssetNeeds
+  [[nodiscard]] std::uint32_t size() const {
+    return diskBytes > 0 ? diskBytes : static_cast<std::uint32_t>(bytes.size());
+  }
+};
+inline constexpr std::size_t kMaxAssetNeeds = 256;
+
+/// Ids in one Lacks.
+inline constexpr std::size_t kMaxLacks = 1024;
+
+/// Tile to master: assets that it was told to take from its disk and that are not there.
+struct Lacks {
+  std::vector<Sha256> ids = {};
+  friend bool operator==(const Lacks&, const Lacks&) = default;
+};
+
+/// Master to tile: leaves that count as used now (leaf_cache.h), as they will be needed soon.
+struct Keep {
+  std::span<const std::byte> leaves = {};  ///< a list delta of list_codec.h from the empty list
 };
 
 /// Master to tile: assets that the tile lacks.
@@ -95,6 +132,9 @@ struct LeafRecord {
   Mat4 localToWorld = Mat4::Identity();
   Vec3 center = Vec3::Zero();  ///< of a sphere around the leaf in world space, for sorting
   double radius = 0;           ///< >= 0
+  /// Of the leaf's box about `center`, world space: what stands for it while its assets are not there.
+  std::array<Vec3, 3> halfAxes = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  std::array<float, 3> meanRgb = {0, 0, 0};  ///< its colour then, each in [0, 1]
   std::optional<LeafBillboard> billboard = {};
   friend bool operator==(const LeafRecord&, const LeafRecord&) = default;
 };
@@ -146,7 +186,9 @@ struct Frame {
 struct Ready {
   std::uint64_t frame = 0;
   std::uint32_t drawUs = 0;
-  std::uint32_t leafCount = 0;  ///< leaves drawn
+  std::uint32_t leafCount = 0;      ///< leaves listed
+  std::uint32_t missingLeaves = 0;  ///< of these, not drawn as they are, as their assets are not there yet
+  std::uint64_t missingPx = 0;      ///< at most so many pixels of the picture differ for that
   friend bool operator==(const Ready&, const Ready&) = default;
 };
 

@@ -38,8 +38,8 @@ class AdaptiveBit {
 };
 
 // An arithmetic coder of binary decisions in integers. A message is a number in [0, 255/256), written to base
-// 256 from the first place behind the point; zeros follow after the last byte. No message begins with the byte
-// 0xFF, which is left for other forms.
+// 256 from the first place behind the point; zeros follow after the last byte. No message begins with the
+// byte 0xFF, which is left for other forms.
 //
 // Each decision cuts the interval that is left in two. The window is the 32 bits in which it still has a
 // width of 24 bits at least.
@@ -115,8 +115,8 @@ class RangeEncoder {
   std::uint32_t low_ = 0, range_ = kWholeRange;
 };
 
-/// Reads what a RangeEncoder has written. Any bytes decode to something; isExact() tells whether they are what
-/// an encoder would have written.
+/// Reads what a RangeEncoder has written. Any bytes decode to something; isExact() tells whether they are
+/// what an encoder would have written.
 class RangeDecoder {
  public:
   explicit RangeDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {

@@ -1,5 +1,7 @@
 #include "common/assets/asset_table.h"
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace tessera {
@@ -40,6 +42,21 @@ Result<AssetBytes> AssetTable::read(std::uint32_t number) const {
   if (number >= rows_.size())
     return runtimeError("asset " + std::to_string(number), "is not among the scene's assets");
   return keeper_->read(number, rows_[number]);
+}
+
+std::optional<std::uint32_t> AssetTable::numberOf(const AssetId& id) const {
+  const std::lock_guard lock(byId_->mutex);
+  std::vector<std::uint32_t>& numbers = byId_->numbers;
+  if (numbers.size() != rows_.size()) {
+    numbers.resize(rows_.size());
+    std::iota(numbers.begin(), numbers.end(), 0U);
+    std::sort(numbers.begin(), numbers.end(),
+              [this](std::uint32_t a, std::uint32_t b) { return rows_[a].id < rows_[b].id; });
+  }
+  const auto found = std::lower_bound(numbers.begin(), numbers.end(), id,
+                                      [this](std::uint32_t a, const AssetId& b) { return rows_[a].id < b; });
+  if (found == numbers.end() || rows_[*found].id != id) return {};
+  return *found;
 }
 
 Status MemoryAssets::put(const AssetRow&, std::string bytes) {

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -36,6 +38,9 @@ class AssetTable {
   [[nodiscard]] Result<std::uint32_t> add(AssetKind kind, std::string bytes,
                                           std::span<const std::uint32_t> needs = {});
 
+  /// The bytes are somebody else's from now on.
+  void keepIn(std::shared_ptr<AssetKeeper> keeper) { keeper_ = std::move(keeper); }
+
   [[nodiscard]] std::size_t size() const { return rows_.size(); }
   /// Of all assets together.
   [[nodiscard]] std::uint64_t bytes() const;
@@ -43,6 +48,8 @@ class AssetTable {
   [[nodiscard]] std::span<const std::uint32_t> needsOf(std::uint32_t number) const {
     return needs_.rows().subspan(rows_[number].needsBegin, rows_[number].needsCount);
   }
+  /// None: there is no such asset. Thread-safe; the first call sorts all.
+  [[nodiscard]] std::optional<std::uint32_t> numberOf(const AssetId& id) const;
   /// Thread-safe. An error for a number that is none.
   [[nodiscard]] Result<AssetBytes> read(std::uint32_t number) const;
 
@@ -54,6 +61,12 @@ class AssetTable {
   Column<std::uint32_t> needs_;
   std::shared_ptr<AssetKeeper> keeper_;
   std::unordered_map<AssetId, std::uint32_t, AssetIdHash> numbers_;  ///< while assets are added
+  struct ById {
+    std::mutex mutex;
+    std::vector<std::uint32_t> numbers;
+  };
+  std::shared_ptr<ById> byId_ =
+      std::make_shared<ById>();  ///< numbers in the order of their ids, once asked for
 };
 
 /// Keeps bytes in memory.

@@ -25,6 +25,7 @@ Status StoreAssets::put(const AssetRow& row, std::string bytes) {
 }
 
 Result<AssetBytes> StoreAssets::read(std::uint32_t number, const AssetRow& row) const {
+  if (AssetBytes known = recent(number)) return known;
   ReadProblem problem = ReadProblem::Failed;
   auto bytes = store_->read(row.id, places_[number], &problem);
   if (!bytes && problem != ReadProblem::Failed) {
@@ -36,7 +37,28 @@ Result<AssetBytes> StoreAssets::read(std::uint32_t number, const AssetRow& row) 
     if (problem == ReadProblem::Damaged) static_cast<void>(store_->dropDamaged());
     return bytes.error();
   }
-  return std::make_shared<const std::string>(std::move(*bytes));
+  const AssetBytes shared = std::make_shared<const std::string>(std::move(*bytes));
+  remember(number, shared);
+  return shared;
+}
+
+AssetBytes StoreAssets::recent(std::uint32_t number) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = recent_.find(number);
+  return found == recent_.end() ? nullptr : found->second;
+}
+
+void StoreAssets::remember(std::uint32_t number, const AssetBytes& bytes) const {
+  const std::lock_guard lock(mutex_);
+  if (!recent_.emplace(number, bytes).second) return;
+  order_.push_back(number);
+  recentBytes_ += bytes->size();
+  while (recentBytes_ > kRecentBytes) {
+    const auto oldest = recent_.find(order_.front());
+    recentBytes_ -= oldest->second->size();
+    recent_.erase(oldest);
+    order_.pop_front();
+  }
 }
 
 }  // namespace tessera

@@ -179,6 +179,49 @@ Result<CameraPath> InputFiles::readCamera() const {
                         : readCameraPath(camera);
 }
 
+void StreamFlags::add(CLI::App& app) {
+  const char* group = "Streaming";
+  app.add_option(
+         "--on-miss", onMiss,
+         "When geometry that a tile sees is not there yet: wait (the wall waits for it), box (its box in "
+         "its mean colour stands for it) or skip (it is left out)")
+      ->group(group)
+      ->capture_default_str()
+      ->check(CLI::IsMember({"wait", "box", "skip"}))
+      ->envname("TESSERA_ON_MISS");
+  app.add_option(
+         "--upload-budget", options.uploadBytes,
+         "Most bytes of geometry that a tile is sent in a frame, such as 2MB; with --on-miss wait, of what "
+         "is sent ahead")
+      ->group(group)
+      ->transform(CLI::AsSizeValue(false))
+      ->envname("TESSERA_UPLOAD_BUDGET");
+  app.add_option(
+         "--upload-ms", options.uploadMs,
+         "With --on-miss box or skip: most milliseconds of a frame that a tile spends on making geometry "
+         "and textures drawable; 0: as long as it takes")
+      ->group(group)
+      ->capture_default_str()
+      ->check(CLI::Range(0.0F, 10'000.0F))
+      ->envname("TESSERA_UPLOAD_MS");
+  app.add_option("--predict", options.predictFrames,
+                 "Send geometry ahead, for so many frames of the camera's motion; 0: none")
+      ->group(group)
+      ->capture_default_str()
+      ->check(CLI::Range(0U, 10'000U))
+      ->envname("TESSERA_PREDICT");
+}
+
+StreamOptions StreamFlags::stream() const {
+  StreamOptions stream = options;
+  stream.onMiss = onMiss == "box"    ? proto::OnMiss::Box
+                  : onMiss == "skip" ? proto::OnMiss::Skip
+                                     : proto::OnMiss::Wait;
+  // The wall waits for what is seen, however long that takes.
+  if (stream.onMiss == proto::OnMiss::Wait) stream.uploadMs = 0;
+  return stream;
+}
+
 namespace {
 
 struct SwitchFlag {

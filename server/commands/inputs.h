@@ -50,6 +50,14 @@ struct InputFiles {
   [[nodiscard]] Result<CameraPath> readCamera() const;
 };
 
+/// How geometry goes to the tiles: --on-miss and the budgets.
+struct StreamFlags {
+  std::string onMiss = "wait";
+  StreamOptions options;
+  void add(CLI::App& app);
+  [[nodiscard]] StreamOptions stream() const;
+};
+
 /// --algorithm, --bounds and the switches of the cullers.
 struct CullFlags {
   std::string algorithm = "auto", bounds = "obb", planes = "corners", coherent = "measured";

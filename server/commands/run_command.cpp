@@ -29,6 +29,8 @@ constexpr std::uint64_t kDefaultFrames = 120;
 struct RunFlags {
   InputFiles files;
   CullFlags cull;
+  StreamFlags stream;
+  std::string cache, diskCache, cacheFolder;
   MotionFlags motion;
   std::optional<std::uint64_t> frames;
   std::uint64_t pictureEvery = 1;
@@ -57,6 +59,7 @@ MasterOptions masterOptions(const RunFlags& flags, const cull::Options& cullOpti
   if (!flags.out.empty() && !flags.noPictures && flags.surface != "none") options.pictureFolder = flags.out;
   options.pictureEvery = flags.pictureEvery;
   options.countTriangles = !flags.frameLog.empty();
+  options.stream = flags.stream.stream();
   return options;
 }
 
@@ -138,6 +141,15 @@ PixelPlace partOf(const PixelPlace& whole, const WallPicture& picture, const Pix
           .size = PixelSize{across(most.x()) - across(least.x()), down(most.y()) - down(least.y())}};
 }
 
+/// The tiles check them.
+void addCacheArguments(const RunFlags& flags, std::vector<std::vector<std::string>>& arguments) {
+  for (auto& ofTile : arguments) {
+    if (!flags.cache.empty()) ofTile.insert(ofTile.end(), {"--cache", flags.cache});
+    if (!flags.diskCache.empty()) ofTile.insert(ofTile.end(), {"--disk-cache", flags.diskCache});
+    if (!flags.cacheFolder.empty()) ofTile.insert(ofTile.end(), {"--cache-dir", flags.cacheFolder});
+  }
+}
+
 /// What each tile is told of its window: its own place where the wall file has one; else they show the wall
 /// together, in its shape.
 Result<std::vector<std::vector<std::string>>> tileArguments(const RunFlags& flags, const Wall& wall) {
@@ -204,8 +216,9 @@ Status runWall(const RunFlags& flags) {
   if (!wall) return wall.error();
   if (flags.untiled) *wall = wall->untiled();
   if (flags.surface == "window") *wall = asSeen(std::move(*wall));
-  const auto arguments = tileArguments(flags, *wall);
+  auto arguments = tileArguments(flags, *wall);
   if (!arguments) return arguments.error();
+  addCacheArguments(flags, *arguments);
   const auto camera = flags.files.readCamera();
   if (!camera) return camera.error();
   const auto program = findTileProgram();
@@ -262,6 +275,14 @@ void addRunCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
+  flags->stream.add(*app);
+  app->add_option("--cache", flags->cache,
+                  "Memory for the geometry of each tile, such as 256MB; default: 1GB")
+      ->group("Streaming");
+  app->add_option("--disk-cache", flags->diskCache,
+                  "Disk space for geometry that tiles have at the next start, such as 4GB; default: none")
+      ->group("Streaming");
+  app->add_option("--cache-dir", flags->cacheFolder, "Folder of the disk cache")->group("Streaming");
   flags->motion.add(*app);
   flags->live.add(*app);
   app->add_flag(

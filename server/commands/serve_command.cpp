@@ -17,6 +17,7 @@ namespace {
 struct ServeFlags {
   InputFiles files;
   CullFlags cull;
+  StreamFlags stream;
   MotionFlags motion;
   std::string listen = "0.0.0.0:7400", json;
   std::uint64_t frames = 0;
@@ -41,6 +42,7 @@ Status serve(const ServeFlags& flags) {
   options.cull = *cullOptions;
   options.planeSource = flags.cull.planeSource();
   options.motion = flags.motion.options;
+  options.stream = flags.stream.stream();
   options.frames = flags.frames;
   options.framesPerSecond = flags.framesPerSecond;
   options.frameDeadline = std::chrono::milliseconds(static_cast<int>(flags.frameDeadlineS * 1000));
@@ -78,6 +80,7 @@ void addServeCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addHierarchy(*app);
   flags->files.addCamera(*app);
   flags->cull.add(*app);
+  flags->stream.add(*app);
   flags->motion.add(*app);
   flags->live.add(*app);
   app->add_flag(

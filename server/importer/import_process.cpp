@@ -132,7 +132,8 @@ class Worker {
 /// Takes whole lines off `text`. The last answer that is no progress stays in `answer`.
 void takeLines(std::string& text, const std::function<void(double)>& progress, Json& answer) {
   for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
-    const Json line = Json::parse(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
+    const Json line =
+        Json::parse(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
     if (!line.is_object()) continue;
     if (line.contains("progress") && line["progress"].is_number()) {
       if (progress) progress(std::clamp(line["progress"].get<double>(), 0.0, 1.0));
@@ -152,8 +153,8 @@ Error ended(const ImportOrder& order, const ImportLimits& limits, std::optional<
     return inputError(file, std::string("crashed its reader (") + ::strsignal(WTERMSIG(*status)) + ")",
                       "the file is malformed: export it again, or convert it to .glb");
   }
-  return runtimeError(file, "its import ended without a word (status " +
-                                std::to_string(WEXITSTATUS(*status)) + ")");
+  return runtimeError(
+      file, "its import ended without a word (status " + std::to_string(WEXITSTATUS(*status)) + ")");
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct ImportLimits {
 struct ImportOrder {
   ImportJob job;
   std::filesystem::path store;
-  std::string entry;       ///< name of the index in the store
+  std::string entry;        ///< name of the index in the store
   std::string sceneSha256;  ///< of the file as the one who ordered it saw it
 };
 

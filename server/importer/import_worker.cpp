@@ -70,16 +70,15 @@ Status import(const ImportOrder& order) {
   if (const auto confined = confine(rules); !confined) return confined.error();
 
   const auto assets = std::make_shared<StoreAssets>(store);
-  auto loaded = loadSceneWithFiles(
-      order.job.scene, {.up = order.job.up,
-                        .hierarchy = order.job.hierarchy,
-                        .maxTrianglesPerLeaf = order.job.maxTrianglesPerLeaf,
-                        .keeper = assets,
-                        .progress = [last = -1.0](double share) mutable {
-                          if (share < last + 0.01) return;
-                          last = share;
-                          answer({{"progress", share}});
-                        }});
+  auto loaded = loadSceneWithFiles(order.job.scene, {.up = order.job.up,
+                                                     .hierarchy = order.job.hierarchy,
+                                                     .maxTrianglesPerLeaf = order.job.maxTrianglesPerLeaf,
+                                                     .keeper = assets,
+                                                     .progress = [last = -1.0](double share) mutable {
+                                                       if (share < last + 0.01) return;
+                                                       last = share;
+                                                       answer({{"progress", share}});
+                                                     }});
   if (!loaded) return loaded.error();
   const auto hash = hashFile(order.job.scene);
   if (!hash) return hash.error();

@@ -56,7 +56,8 @@ struct Store {
   std::filesystem::path folder;
 };
 
-Result<Store> openStore(const std::filesystem::path& folder, const SceneStoreOptions& options, bool mayWrite) {
+Result<Store> openStore(const std::filesystem::path& folder, const SceneStoreOptions& options,
+                        bool mayWrite) {
   auto disk = DiskStore::open({.folder = folder, .budgetBytes = options.budgetBytes, .mayWrite = mayWrite});
   if (!disk) return disk.error();
   return Store{nullptr, std::move(*disk), folder};
@@ -92,8 +93,7 @@ Result<std::optional<OpenedScene>> find(const Store& store, const ImportJob& job
     opened.storedBytes += place.storedBytes;
   auto assets = StoreAssets::open(store.disk, std::move(index->places));
   if (!assets) return std::optional<OpenedScene>();  // a pack was evicted: make it anew
-  opened.scene.assets =
-      AssetTable(opened.scene.assets.rows(), opened.scene.assets.needs(), std::move(*assets));
+  opened.scene.assets.keepIn(std::move(*assets));
   return std::optional(std::move(opened));
 }
 

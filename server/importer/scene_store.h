@@ -24,7 +24,7 @@ struct SceneStoreOptions {
 /// A scene and how it was had.
 struct OpenedScene {
   Scene scene;
-  bool wasImported = false;   ///< else it was in the store
+  bool wasImported = false;                       ///< else it was in the store
   std::uint64_t indexBytes = 0, storedBytes = 0;  ///< of the index; of the assets on disk
   std::filesystem::path folder;
 };

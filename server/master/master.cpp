@@ -43,6 +43,8 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
                     : nullptr),
       context_{.wall = wall,
                .leafCount = static_cast<std::uint32_t>(scene.leaves.size()),
+               .assets = scene.assets,
+               .stream = options_.stream,
                .roster = roster_,
                .setups = setups,
                .inputs = inputs_,
@@ -56,7 +58,8 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
   newInputs_.reserve(InputQueue::kCapacity);
   mirrors_.reserve(wall.tiles.size());
   for (std::size_t i = 0; i < wall.tiles.size(); ++i)
-    mirrors_.emplace_back(scene);
+    mirrors_.push_back(std::make_unique<TileMirror>(scene, options.stream));
+  saidTooSmall_.assign(wall.tiles.size(), false);
 }
 
 Master::~Master() {
@@ -145,6 +148,9 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
   reserveReport();
   WallCuller culler(motion_ ? motion_->hierarchy() : scene_.hierarchy, wall_, options_.cull,
                     options_.planeSource);
+  if (options_.stream.predictFrames > 0)
+    predictor_.emplace(motion_ ? motion_->hierarchy() : scene_.hierarchy, wall_,
+                       PredictorOptions{.horizonFrames = options_.stream.predictFrames});
   const Sphere& sphere = scene_.sphere();
   firstFrame_ = lastPaced_ = lastSwap_ = Clock::now();
   std::uint64_t frame = 0;
@@ -163,6 +169,7 @@ Result<RunReport> Master::run(const Hooks& hooks, bool mayStartWithout) {
       viewInto(wall_, pose, sphere.center, sphere.radius, view);
     }
     culler.update(view);
+    if (predictor_) predicted_ = &predictor_->predict(pose, sphere);
     report_.updateMs.add(msSince(start));
     start = Clock::now();
     const cull::Changes& changes = culler.cullChanges();
@@ -234,7 +241,11 @@ void Master::sendFrame(std::uint64_t frame, const WallView& view, const WallCull
     RunReport::TileEntry& entry = report_.tiles[tile];
     entry.visibleLeaves.add(changes.leafCounts[tile]);
     entry.cacheHits += sent.hits;
-    entry.cacheMisses += sent.leaves;
+    entry.cacheMisses += sent.misses;
+    entry.cacheEvictions += sent.evictions;
+    entry.diskHits += sent.diskHits;
+    entry.predictedBytes += sent.predictedBytes;
+    noteCache(tile, sent);
   }
   report_.encodeMs.add(msSince(start));
   const auto sendStart = Clock::now();
@@ -249,8 +260,9 @@ void Master::sendFrame(std::uint64_t frame, const WallView& view, const WallCull
 TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer, std::uint64_t frame,
                                 const WallView& view, const WallCuller& culler,
                                 const cull::Changes& changes) {
-  TileMirror& mirror = mirrors_[tile];
-  mirror.follow(peer.session);
+  TileMirror& mirror = *mirrors_[tile];
+  mirror.follow(peer.session, *peer.facts);
+  mirror.resend(peer.lacked);
   mirror.acknowledge(peer.acknowledged);
   TileMirror::FrameOrder order{.frame = frame,
                                .frustum = drawnFrustum(wall_.tiles[tile], eyeOf(tile, view)),
@@ -258,6 +270,7 @@ TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer
                                .toggled = &changes.toggled[tile],
                                .baseFrame = frame - 1,
                                .leafCount = changes.leafCounts[tile],
+                               .predicted = predicted_ ? &(*predicted_)[tile] : nullptr,
                                .wantPicture = pictures_ && pictures_->wants(frame),
                                .stereo = stereo_,
                                .motion = motion_.get(),
@@ -273,6 +286,15 @@ TileMirror::Sent Master::sendTo(std::uint32_t tile, const TileRoster::Peer& peer
     order.baseFrame = 0;
   }
   return mirror.send(*peer.connection, encoder_, order);
+}
+
+void Master::noteCache(std::uint32_t tile, const TileMirror::Sent& sent) {
+  if (!sent.isCacheTooSmall || saidTooSmall_[tile]) return;
+  saidTooSmall_[tile] = true;
+  spdlog::warn(
+      "the cache of tile {} ({} MB) holds less than one frame needs: {} leaves are left out; give it "
+      "more with --cache",
+      roster_.nameOf(tile), peers_[tile].facts->cacheBytes >> 20, sent.incomplete);
 }
 
 std::uint64_t Master::countTriangles(const WallCuller& culler) {
@@ -342,10 +364,12 @@ void Master::fillReport() {
     RunReport::TileEntry& entry = report_.tiles[tile];
     entry.name = roster_.nameOf(tile);
     entry.counts = roster_.counts(tile);
-    entry.listBytes = mirrors_[tile].traffic().listBytes;
-    entry.geometryBytes = mirrors_[tile].traffic().geometryBytes;
+    entry.listBytes = mirrors_[tile]->traffic().listBytes;
+    entry.geometryBytes = mirrors_[tile]->traffic().geometryBytes;
     shown.push_back(roster_.shownTimes(tile));
   }
+  report_.framesIncomplete = roster_.framesIncomplete();
+  report_.stream = options_.stream;
   addSwapSkew(report_, shown);
   if (pictures_) {
     report_.pictures = pictures_->written();

@@ -20,6 +20,7 @@
 #include "proto/codec.h"
 #include "server/master/input_queue.h"
 #include "server/master/picture_writer.h"
+#include "server/master/predictor.h"
 #include "server/master/run_report.h"
 #include "server/master/scene_motion.h"
 #include "server/master/tile_mirror.h"
@@ -41,6 +42,7 @@ struct MasterOptions {
   std::optional<std::filesystem::path> pictureFolder;  ///< stitched pictures go there
   std::uint64_t pictureEvery = 1;                      ///< of the frames, every so-manieth
   MotionOptions motion;
+  StreamOptions stream;
   bool countTriangles = false;  ///< for RunReport::frameLog; each frame's whole lists must be made for it
 };
 
@@ -100,6 +102,7 @@ class Master {
                                         const cull::Changes& changes);
   [[nodiscard]] const Frustum& eyeOf(std::uint32_t tile, const WallView& view) const;
   [[nodiscard]] std::uint64_t countTriangles(const WallCuller& culler);
+  void noteCache(std::uint32_t tile, const TileMirror::Sent& sent);
   void endFrame(std::uint64_t frame);
   void pace(std::uint64_t frame);
   void broadcastSwap(std::uint64_t frame);
@@ -124,7 +127,10 @@ class Master {
   std::unique_ptr<PictureWriter> pictures_;
   SessionContext context_;
   std::unique_ptr<SceneMotion> motion_;  ///< while it runs; null: nothing moves
-  std::vector<TileMirror> mirrors_;
+  std::vector<std::unique_ptr<TileMirror>> mirrors_;
+  std::optional<Predictor> predictor_;
+  const std::vector<VisibleList>* predicted_ = nullptr;  ///< by tile, of this frame; null: nothing is
+  std::vector<bool> saidTooSmall_;                       ///< by tile: that its cache is
   std::vector<TileInput> newInputs_;
   proto::Encoder encoder_;
   VisibleList wholeList_;

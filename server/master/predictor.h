@@ -38,10 +38,10 @@ struct PredictorOptions {
 
 /// Which leaves tiles will probably need in the next frames, so that geometry can be sent ahead.
 ///
-/// Each call culls once, for a wall of grown tiles where the camera will probably be: in turn in a quarter, in
-/// half and in all of the horizon. So what lies along the way is told in the course of three frames. Of a
-/// camera that stands, the leaves beside the current view are told. Not thread-safe; no allocation once warm but
-/// for walls in stereo.
+/// Each call culls once, for a wall of grown tiles where the camera will probably be: in turn in a quarter,
+/// in half and in all of the horizon. So what lies along the way is told in the course of three frames. Of a
+/// camera that stands, the leaves beside the current view are told. Not thread-safe; no allocation once warm
+/// but for walls in stereo.
 class Predictor {
  public:
   /// `scene` outlives the predictor.

@@ -18,6 +18,10 @@ Json spread(const Samples& samples) {
   return {{"p50", samples.percentile(50)}, {"p99", samples.percentile(99)}, {"max", samples.max()}};
 }
 
+const char* nameOf(proto::OnMiss onMiss) {
+  return onMiss == proto::OnMiss::Wait ? "wait" : onMiss == proto::OnMiss::Box ? "box" : "skip";
+}
+
 Json tileJson(const RunReport::TileEntry& tile) {
   Samples drawMs;
   for (const std::uint32_t us : tile.counts.drawUs.values)
@@ -31,7 +35,13 @@ Json tileJson(const RunReport::TileEntry& tile) {
           {"received_geometry_bytes", tile.geometryBytes},
           {"cache_hits", tile.cacheHits},
           {"cache_misses", tile.cacheMisses},
-          {"cache_evictions", 0},
+          {"cache_evictions", tile.cacheEvictions},
+          {"disk_hits", tile.diskHits},
+          {"disk_lacked", tile.counts.disksLacked},
+          {"predicted_geometry_bytes", tile.predictedBytes},
+          {"frames_incomplete", tile.counts.framesIncomplete},
+          {"missing_leaves", tile.counts.missingLeaves},
+          {"missing_px", tile.counts.missingPx},
           {"reconnects", tile.counts.reconnects},
           {"peak_resident_bytes", tile.counts.peakResidentBytes}};
 }
@@ -95,6 +105,12 @@ std::string RunReport::json() const {
       {"seconds", seconds},
       {"frames_per_second", seconds > 0 && frames > 1 ? static_cast<double>(frames - 1) / seconds : 0.0},
       {"first_frame_ms", firstFrameMs},
+      {"frames_incomplete", framesIncomplete},
+      {"streaming",
+       {{"on_miss", nameOf(stream.onMiss)},
+        {"upload_budget_bytes", stream.uploadBytes},
+        {"upload_budget_ms", stream.uploadMs},
+        {"predict_frames", stream.predictFrames}}},
       {"stages_ms",
        {{"update", spread(updateMs)},
         {"cull", spread(cullMs)},

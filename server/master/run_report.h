@@ -6,6 +6,7 @@
 
 #include "server/master/motion_options.h"
 #include "server/master/recorded.h"
+#include "server/master/stream_options.h"
 #include "server/master/tile_roster.h"
 
 namespace tessera {
@@ -41,10 +42,14 @@ struct RunReport {
     TileCounts counts;
     Samples visibleLeaves;
     std::uint64_t listBytes = 0, geometryBytes = 0;
-    std::uint64_t cacheHits = 0, cacheMisses = 0;
+    std::uint64_t cacheHits = 0, cacheMisses = 0, cacheEvictions = 0;  ///< leaves
+    std::uint64_t diskHits = 0;                                        ///< assets
+    std::uint64_t predictedBytes = 0;                                  ///< sent ahead of need
   };
   std::vector<TileEntry> tiles;
   Samples swapSkewUs;
+  StreamOptions stream;
+  std::uint64_t framesIncomplete = 0;  ///< at least one tile could not draw all of its list
   std::uint64_t pictures = 0, incompletePictures = 0;
 
   /// Makes room for what each of `count` frames adds, so that the frame loop need not.

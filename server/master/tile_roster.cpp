@@ -6,6 +6,11 @@
 
 namespace tessera {
 
+namespace {
+// A tile that says more at once loses nothing: it will say so again.
+constexpr std::size_t kMostLacked = 1 << 16;
+}  // namespace
+
 TileRoster::TileRoster(const Wall& wall) : slots_(wall.tiles.size()) {
   for (const Tile& tile : wall.tiles)
     names_.push_back(tile.name);
@@ -20,7 +25,7 @@ void TileRoster::keepLast(std::size_t frames) {
 }
 
 std::variant<TileRoster::Binding, TileRoster::Refusal> TileRoster::bind(
-    const proto::Hello& hello, std::shared_ptr<net::Connection> peer,
+    const proto::Hello& hello, std::shared_ptr<net::Connection> peer, std::shared_ptr<const TileFacts> facts,
     const std::function<void(const Binding&)>& welcome) {
   const std::lock_guard lock(mutex_);
   if (closed_) return Refusal::ShuttingDown;
@@ -31,6 +36,8 @@ std::variant<TileRoster::Binding, TileRoster::Refusal> TileRoster::bind(
   if (slot.connection) return Refusal::TileTaken;
   slot.session = nextSession_++;
   slot.connection = std::move(peer);
+  slot.facts = std::move(facts);
+  slot.lacked.clear();
   slot.sent = slot.acknowledged = slot.lastShown = 0;
   slot.sharesClock = !hello.clockId.empty() && hello.clockId == hostClockId();
   slot.counts.reconnects += slot.wasBound ? 1 : 0;
@@ -54,6 +61,13 @@ bool TileRoster::ready(const Binding& binding, const proto::Ready& ready) {
   if (isDrawing(*slot, newestFrame_)) oneLess();
   slot->acknowledged = ready.frame;
   slot->counts.drawUs.add(ready.drawUs);
+  if (ready.missingLeaves > 0) {
+    ++slot->counts.framesIncomplete;
+    slot->counts.missingLeaves += ready.missingLeaves;
+    slot->counts.missingPx += ready.missingPx;
+    if (ready.frame > lastIncomplete_) ++framesIncomplete_;
+    lastIncomplete_ = std::max(lastIncomplete_, ready.frame);
+  }
   return true;
 }
 
@@ -68,6 +82,19 @@ bool TileRoster::shown(const Binding& binding, const proto::Shown& shown) {
   if (slot->sharesClock) slot->shownTimes.add({shown.frame, shown.shownNs});
   changed_.notify_all();
   return true;
+}
+
+void TileRoster::lacks(const Binding& binding, std::span<const std::uint32_t> assets) {
+  const std::lock_guard lock(mutex_);
+  Slot* slot = current(binding);
+  if (!slot || slot->lacked.size() + assets.size() > kMostLacked) return;
+  slot->lacked.insert(slot->lacked.end(), assets.begin(), assets.end());
+  slot->counts.disksLacked += assets.size();
+}
+
+std::uint64_t TileRoster::framesIncomplete() const {
+  const std::lock_guard lock(mutex_);
+  return framesIncomplete_;
 }
 
 bool TileRoster::mayShow(const Binding& binding, std::uint64_t frame) {
@@ -97,7 +124,7 @@ void TileRoster::oneLess() {
 TileRoster::Peer TileRoster::peer(std::uint32_t tile) const {
   const std::lock_guard lock(mutex_);
   const Slot& slot = slots_[tile];
-  return {slot.session, slot.connection, slot.acknowledged, slot.sent};
+  return {slot.session, slot.connection, slot.acknowledged, slot.sent, slot.facts, {}};
 }
 
 void TileRoster::startFrame(std::uint64_t frame, std::vector<Peer>& peers) {
@@ -114,7 +141,14 @@ void TileRoster::startFrame(std::uint64_t frame, std::vector<Peer>& peers) {
     }
     slot.sent = frame;
     ++drawing_;
-    peers[tile] = {slot.session, slot.connection, slot.acknowledged, slot.sent};
+    Peer& one = peers[tile];
+    one.session = slot.session;
+    one.connection = slot.connection;
+    one.acknowledged = slot.acknowledged;
+    one.sent = slot.sent;
+    one.facts = slot.facts;
+    std::swap(one.lacked, slot.lacked);
+    slot.lacked.clear();
   }
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "common/wall/wall.h"
 #include "proto/messages.h"
 #include "server/master/recorded.h"
+#include "server/master/stream_options.h"
 
 namespace tessera {
 
@@ -23,6 +25,8 @@ struct TileCounts {
   std::uint64_t framesShown = 0, framesMissed = 0, reconnects = 0;
   std::uint64_t peakResidentBytes = 0;  ///< as the tile said when it left; 0: it did not
   Recorded<std::uint32_t> drawUs;       ///< of each acknowledged frame
+  std::uint64_t framesIncomplete = 0, missingLeaves = 0, missingPx = 0;  ///< proto::Ready, summed over frames
+  std::uint64_t disksLacked = 0;  ///< assets that its disk did not have after all
 };
 
 /// When a tile presented a frame, on its own monotonic clock.
@@ -51,10 +55,13 @@ class TileRoster {
   /// `welcome` is called before the frame loop can see the tile, so that what it queues comes first.
   [[nodiscard]] std::variant<Binding, Refusal> bind(const proto::Hello& hello,
                                                     std::shared_ptr<net::Connection> peer,
+                                                    std::shared_ptr<const TileFacts> facts,
                                                     const std::function<void(const Binding&)>& welcome);
   /// False: the tile acknowledges a frame that it was not sent, or twice.
   [[nodiscard]] bool ready(const Binding& binding, const proto::Ready& ready);
   [[nodiscard]] bool shown(const Binding& binding, const proto::Shown& shown);
+  /// Numbers of assets that the tile lacks after all.
+  void lacks(const Binding& binding, std::span<const std::uint32_t> assets);
   /// Whether shown() would take this frame now.
   [[nodiscard]] bool mayShow(const Binding& binding, std::uint64_t frame);
   void leaving(const Binding& binding, const proto::Bye& bye);
@@ -68,6 +75,8 @@ class TileRoster {
     std::shared_ptr<net::Connection> connection;
     std::uint64_t acknowledged = 0;  ///< last frame that it said Ready to
     std::uint64_t sent = 0;          ///< last frame that is on its way or there
+    std::shared_ptr<const TileFacts> facts = {};
+    std::vector<std::uint32_t> lacked = {};  ///< told since the last startFrame()
   };
   [[nodiscard]] Peer peer(std::uint32_t tile) const;
   /// Whom the caller is to send a frame now, by tile: a null connection where nobody is or has not yet said
@@ -99,6 +108,8 @@ class TileRoster {
   [[nodiscard]] const std::string& nameOf(std::uint32_t tile) const { return names_[tile]; }
   [[nodiscard]] std::uint32_t tileCount() const { return static_cast<std::uint32_t>(names_.size()); }
 
+  /// Frames that at least one tile could not draw whole.
+  [[nodiscard]] std::uint64_t framesIncomplete() const;
   /// For the report, after the run.
   [[nodiscard]] TileCounts counts(std::uint32_t tile) const;
   /// Times shown by frame; only of tiles whose clock is this machine's, for others cannot be compared.
@@ -108,6 +119,8 @@ class TileRoster {
   struct Slot {
     std::uint64_t session = 0;
     std::shared_ptr<net::Connection> connection;
+    std::shared_ptr<const TileFacts> facts;
+    std::vector<std::uint32_t> lacked;
     std::uint64_t sent = 0, acknowledged = 0, lastShown = 0;
     std::int64_t lastShownNs = 0;
     bool sharesClock = false, wasBound = false;
@@ -133,6 +146,7 @@ class TileRoster {
   std::uint32_t drawing_ = 0;  ///< tiles for which isDrawing(newestFrame_)
   std::vector<Slot> slots_;
   std::uint64_t nextSession_ = 1;
+  std::uint64_t framesIncomplete_ = 0, lastIncomplete_ = 0;
   bool stopping_ = false, closed_ = false;
 };
 

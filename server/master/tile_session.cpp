@@ -12,6 +12,8 @@ namespace {
 using net::awaitable;
 using proto::ErrorCode;
 
+constexpr std::uint32_t kMostHave = 1 << 22;
+
 /// Counts the Input messages of one tile in each second.
 class InputRate {
  public:
@@ -61,8 +63,33 @@ proto::Welcome welcomeFor(const SessionContext& context, const TileRoster::Bindi
   welcome.idleTimeoutMs = static_cast<std::uint32_t>(context.deadlines.idle.count());
   welcome.leafCount = context.leafCount;
   welcome.picture = context.pictures ? proto::PictureFormat::RawRgb8 : proto::PictureFormat::None;
+  welcome.onMiss = context.stream.onMiss;
+  welcome.uploadMs = context.stream.uploadMs;
   welcome.backgroundRgb = {0.60F, 0.68F, 0.76F};
   return welcome;
+}
+
+/// What a tile has on its disk of this scene, as it tells after Hello.
+awaitable<Result<std::shared_ptr<const TileFacts>>> readFacts(std::shared_ptr<net::Connection> peer,
+                                                              proto::Hello hello, SessionContext& context) {
+  auto facts = std::make_shared<TileFacts>();
+  facts->cacheBytes = hello.cacheBytes;
+  if (hello.haveCount > kMostHave)
+    co_return runtimeError("", "has more on its disk than " + std::to_string(kMostHave) + " assets");
+  if (hello.haveCount > 0) facts->onDisk.assign(context.assets.size(), false);
+  for (std::uint32_t told = 0; told < hello.haveCount;) {
+    auto message = co_await peer->read(proto::Expect::Have, context.deadlines.hello);
+    if (!message) co_return message.error();
+    const auto have = proto::decodeHave(message->payload);
+    if (!have) co_return have.error();
+    if (have->ids.empty() || have->ids.size() > hello.haveCount - told)
+      co_return runtimeError("", "tells of other assets than it announced");
+    told += static_cast<std::uint32_t>(have->ids.size());
+    for (const proto::Sha256& id : have->ids) {
+      if (const auto number = context.assets.numberOf(AssetId{id})) facts->onDisk[*number] = true;
+    }
+  }
+  co_return std::shared_ptr<const TileFacts>(std::move(facts));
 }
 
 /// Asks the tile for a sign of life, so that both sides notice a dead link.
@@ -98,6 +125,12 @@ Status handle(const net::Message& message, Talk& talk, SessionContext& context) 
       }
     }
     (void)context.roster.shown(binding, *shown);
+  } else if (const auto* lacks = std::get_if<proto::Lacks>(&*decoded)) {
+    std::vector<std::uint32_t> numbers;
+    for (const proto::Sha256& id : lacks->ids) {
+      if (const auto number = context.assets.numberOf(AssetId{id})) numbers.push_back(*number);
+    }
+    context.roster.lacks(binding, numbers);
   } else if (const auto* input = std::get_if<proto::Input>(&*decoded)) {
     if (!talk.inputRate.countOne()) return runtimeError("", "sends more input than 1000 messages a second");
     context.inputs.add(binding.tile, *input);
@@ -148,7 +181,12 @@ awaitable<void> serveTile(std::shared_ptr<net::Connection> peer, SessionContext&
     refuse(*peer, ErrorCode::ProtocolViolation, hello.error().what);
     co_return;
   }
-  const auto bound = context.roster.bind(*hello, peer, [&](const TileRoster::Binding& binding) {
+  const auto facts = co_await readFacts(peer, *hello, context);
+  if (!facts) {
+    refuse(*peer, codeOf(facts.error()), facts.error().what);
+    co_return;
+  }
+  const auto bound = context.roster.bind(*hello, peer, *facts, [&](const TileRoster::Binding& binding) {
     peer->send(proto::encode(welcomeFor(context, binding)));
     peer->send(proto::encode(context.setups.of(binding.tile)));
   });

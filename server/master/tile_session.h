@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <string>
 
+#include "common/assets/asset_table.h"
 #include "common/net/connection.h"
 #include "common/wall/wall.h"
 #include "server/master/input_queue.h"
 #include "server/master/picture_writer.h"
+#include "server/master/stream_options.h"
 #include "server/master/tile_roster.h"
 #include "server/master/tile_setup.h"
 
@@ -24,6 +26,8 @@ struct SessionDeadlines {
 struct SessionContext {
   const Wall& wall;
   std::uint32_t leafCount = 0;
+  const AssetTable& assets;
+  const StreamOptions& stream;
   TileRoster& roster;
   const TileSetups& setups;
   InputQueue& inputs;

@@ -99,7 +99,7 @@ TEST(Frame, LimitsBeforeTheHandshakeAreSmall) {
   EXPECT_LE(maxPayloadBytes(MessageType::Hello), 4096U);
   EXPECT_LE(maxPayloadBytes(MessageType::Welcome), 4096U);
   EXPECT_LE(maxPayloadBytes(MessageType::Error), 4096U);
-  EXPECT_EQ(maxPayloadBytes(static_cast<MessageType>(15)), 0U);
+  EXPECT_EQ(maxPayloadBytes(static_cast<MessageType>(18)), 0U);
 }
 
 TEST(Frame, OnlyWhatIsExpectedIsAccepted) {
@@ -108,12 +108,13 @@ TEST(Frame, OnlyWhatIsExpectedIsAccepted) {
     std::set<MessageType> types;
   };
   using enum MessageType;
-  const Row rows[] = {
-      {Expect::Hello, {Hello}},
-      {Expect::WelcomeOrError, {Welcome, Error}},
-      {Expect::FromTile, {Ready, Shown, Pong, Bye, Error, Input}},
-      {Expect::FromMaster, {Assets, Leaves, MessageType::Frame, Swap, Ping, Bye, Error, TileSetup, Poses}},
-      {Expect::Anything, std::set<MessageType>(std::begin(kAllTypes), std::end(kAllTypes))}};
+  const Row rows[] = {{Expect::Hello, {Hello}},
+                      {Expect::WelcomeOrError, {Welcome, Error}},
+                      {Expect::FromTile, {Ready, Shown, Pong, Bye, Error, Input, Lacks}},
+                      {Expect::FromMaster,
+                       {Assets, Leaves, MessageType::Frame, Swap, Ping, Bye, Error, TileSetup, Poses, Keep}},
+                      {Expect::Have, {Have}},
+                      {Expect::Anything, std::set<MessageType>(std::begin(kAllTypes), std::end(kAllTypes))}};
   for (const Row& row : rows) {
     for (const MessageType type : kAllTypes) {
       const auto parsed = parseHeader(written({.type = type}), row.expect);

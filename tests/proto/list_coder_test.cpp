@@ -192,8 +192,8 @@ TEST(ListCoder, TheWholeIdSpace) {
     ListEncoder encoder(leafCount);
     ListDecoder decoder(leafCount);
     for (const VisibleList& toggled :
-         {VisibleList{{0, leafCount}}, VisibleList{{leafCount - 1, leafCount}}, VisibleList{{leafCount / 2, leafCount}},
-          VisibleList{{0, 1}}, VisibleList{{0, leafCount}}}) {
+         {VisibleList{{0, leafCount}}, VisibleList{{leafCount - 1, leafCount}},
+          VisibleList{{leafCount / 2, leafCount}}, VisibleList{{0, 1}}, VisibleList{{0, leafCount}}}) {
       encoder.encode(toggled, delta);
       ASSERT_TRUE(decoder.decode(ExactBytes(delta).view()).ok()) << leafCount;
       ASSERT_EQ(decoder.toggled(), toggled);
@@ -225,7 +225,10 @@ TEST(ListCoder, ManyPiecesInFewBytesFallBackToThePlainForm) {
   Delta delta;
   unsigned plain = 0;
   for (int frame = 0; frame < 12; ++frame) {
-    encoder.encode(frame == 0 ? odd : frame % 3 == 0 ? VisibleList{{7, 8}} : VisibleList{{0, kLeaves}}, delta);
+    encoder.encode(frame == 0       ? odd
+                   : frame % 3 == 0 ? VisibleList{{7, 8}}
+                                    : VisibleList{{0, kLeaves}},
+                   delta);
     plain += delta.front() == kPlainDelta ? 1 : 0;
     ASSERT_TRUE(decoder.decode(ExactBytes(delta).view()).ok()) << frame;
     ASSERT_EQ(decoder.list(), encoder.list());
@@ -347,7 +350,8 @@ TEST(ListCoder, MorePiecesThanTheBytesAreWorthAreRefusedAtOnce) {
 TEST(ListCoder, GarbageIsRefusedOrCanonicalAndBounded) {
   std::mt19937 random(45);
   for (const std::uint32_t leafCount : {0U, 1U, 100U, 100'000U, UINT32_MAX}) {
-    ListDecoder followed = leafCount == 100'000 ? follow(leafCount, 50, 3, 1).decoder : ListDecoder(leafCount);
+    ListDecoder followed =
+        leafCount == 100'000 ? follow(leafCount, 50, 3, 1).decoder : ListDecoder(leafCount);
     for (int i = 0; i < 20'000; ++i) {
       Delta garbage(1 + random() % 40);
       const auto kind = static_cast<unsigned>(random() % 3);

@@ -44,7 +44,8 @@ bool sameBytes(std::span<const T> a, std::span<const T> b) {
 }
 
 inline bool operator==(const Asset& a, const Asset& b) {
-  return a.id == b.id && a.kind == b.kind && sameBytes(a.bytes, b.bytes);
+  return a.id == b.id && a.kind == b.kind && sameBytes(a.bytes, b.bytes) && a.diskBytes == b.diskBytes &&
+         a.needs == b.needs;
 }
 
 template <class Message>
@@ -55,6 +56,10 @@ bool isSame(const Message& a, const Message& b) {
 inline bool isSame(const Assets& a, const Assets& b) {
   return std::equal(a.assets.begin(), a.assets.end(), b.assets.begin(), b.assets.end(),
                     [](const Asset& x, const Asset& y) { return x == y; });
+}
+
+inline bool isSame(const Keep& a, const Keep& b) {
+  return sameBytes(a.leaves, b.leaves);
 }
 
 inline bool isSame(const Frame& a, const Frame& b) {
@@ -98,6 +103,9 @@ inline Bytes encodeAny(const AnyMessage& message) {
 
 inline MessageType typeOf(const AnyMessage& message) {
   if (std::holds_alternative<Input>(message)) return MessageType::Input;
+  if (std::holds_alternative<Have>(message)) return MessageType::Have;
+  if (std::holds_alternative<Lacks>(message)) return MessageType::Lacks;
+  if (std::holds_alternative<Keep>(message)) return MessageType::Keep;
   if (std::holds_alternative<Poses>(message)) return MessageType::Poses;
   return static_cast<MessageType>(message.index() + 1);
 }
@@ -114,7 +122,9 @@ class MessageMaker {
             .surface = static_cast<SurfaceKind>(below(4)),
             .pid = number32(),
             .maxWidthPx = number32(),
-            .maxHeightPx = number32()};
+            .maxHeightPx = number32(),
+            .cacheBytes = random_(),
+            .haveCount = number32()};
   }
 
   Welcome welcome() {
@@ -130,14 +140,22 @@ class MessageMaker {
             .picture = static_cast<PictureFormat>(below(2)),
             .backgroundRgb = {channel(), channel(), channel()},
             .wallWidthPx = (1 << 20) + kMaxImagePx + px(1000),
-            .wallHeightPx = (1 << 20) + kMaxImagePx + px(1000)};
+            .wallHeightPx = (1 << 20) + kMaxImagePx + px(1000),
+            .onMiss = static_cast<OnMiss>(below(3)),
+            .uploadMs = channel()};
   }
 
   Assets assets() {
     Assets message;
     for (std::uint64_t i = below(5); i > 0; --i) {
+      const auto kind = static_cast<AssetKind>(below(3));
+      const bool isOnDisk = below(3) == 0;
       message.assets.push_back(
-          {.id = hash(), .kind = static_cast<AssetKind>(below(3)), .bytes = bytes(below(300))});
+          {.id = hash(),
+           .kind = kind,
+           .bytes = bytes(isOnDisk ? 0 : below(300)),
+           .diskBytes = isOnDisk ? number32() % (1U << 20U) : 0,
+           .needs = kind == AssetKind::State ? hashes(below(4)) : std::vector<Sha256>()});
     }
     return message;
   }
@@ -175,7 +193,13 @@ class MessageMaker {
         .stereo = stereo};
   }
 
-  Ready ready() { return {.frame = 1 + random_() / 2, .drawUs = number32(), .leafCount = number32()}; }
+  Ready ready() {
+    return {.frame = 1 + random_() / 2,
+            .drawUs = number32(),
+            .leafCount = number32(),
+            .missingLeaves = number32(),
+            .missingPx = random_()};
+  }
   Swap swap() { return {.frame = 1 + random_() / 2}; }
 
   Shown shown() {
@@ -238,6 +262,16 @@ class MessageMaker {
     return message;
   }
 
+  std::vector<Sha256> hashes(std::uint64_t count) {
+    std::vector<Sha256> made(count);
+    for (Sha256& id : made)
+      id = hash();
+    return made;
+  }
+  Have have() { return {.ids = hashes(below(5))}; }
+  Lacks lacks() { return {.ids = hashes(below(5))}; }
+  Keep keep() { return {.leaves = bytes(below(60))}; }
+
   Pose pose(std::uint32_t id) {
     Pose made = {.id = id, .form = static_cast<PoseForm>(below(3))};
     if (made.form == PoseForm::Matrix) {
@@ -297,6 +331,12 @@ class MessageMaker {
         return tileSetup();
       case MessageType::Input:
         return input();
+      case MessageType::Have:
+        return have();
+      case MessageType::Lacks:
+        return lacks();
+      case MessageType::Keep:
+        return keep();
       case MessageType::Poses:
         return poses();
     }
@@ -310,6 +350,8 @@ class MessageMaker {
                          .localToWorld = Mat4::NullaryExpr([&] { return real(); }),
                          .center = vec3(),
                          .radius = std::abs(real()),
+                         .halfAxes = {vec3(), vec3(), vec3()},
+                         .meanRgb = {channel(), channel(), channel()},
                          .billboard = std::nullopt};
     if (below(2) == 1) {
       record.billboard = LeafBillboard{
@@ -366,10 +408,10 @@ class MessageMaker {
   std::vector<std::unique_ptr<std::vector<std::byte>>> owned_;
 };
 
-inline constexpr MessageType kAllTypes[] = {MessageType::Hello,     MessageType::Welcome, MessageType::Assets,
-                                            MessageType::Leaves,    MessageType::Frame,   MessageType::Ready,
-                                            MessageType::Swap,      MessageType::Shown,   MessageType::Ping,
-                                            MessageType::Pong,      MessageType::Bye,     MessageType::Error,
-                                            MessageType::TileSetup, MessageType::Input,   MessageType::Poses};
+inline constexpr MessageType kAllTypes[] = {
+    MessageType::Hello, MessageType::Welcome, MessageType::Assets,    MessageType::Leaves, MessageType::Frame,
+    MessageType::Ready, MessageType::Swap,    MessageType::Shown,     MessageType::Ping,   MessageType::Pong,
+    MessageType::Bye,   MessageType::Error,   MessageType::TileSetup, MessageType::Input,  MessageType::Have,
+    MessageType::Lacks, MessageType::Keep,    MessageType::Poses};
 
 }  // namespace tessera::proto::test

@@ -147,7 +147,8 @@ Foresight walk(double speed) {
     Predictor predictor(city().hierarchy, wall);
     WallCuller culler(city().hierarchy, wall, {.algorithm = cull::Algorithm::Auto});
     // By tile and leaf: in which of the last frames it was predicted, the last one lowest.
-    std::vector<std::vector<std::uint64_t>> predicted(wall.tiles.size(), std::vector<std::uint64_t>(leaves, 0));
+    std::vector<std::vector<std::uint64_t>> predicted(wall.tiles.size(),
+                                                      std::vector<std::uint64_t>(leaves, 0));
     std::vector<std::vector<bool>> seen(wall.tiles.size(), std::vector<bool>(leaves, false));
     for (int frame = 0; frame < kWarmUp + kFrames; ++frame) {
       const CameraPose pose = flyAt(stretch * 40.0 / kStretches + 1.1 + frame * step);
@@ -191,11 +192,11 @@ Foresight walk(double speed) {
 }
 
 void report(const char* name, const Foresight& found) {
-  std::printf("%s: %llu came into view, recall %.4f; predicted beyond the view for each in view: %.3f; "
-              "cull %.0f us, prediction %.0f us\n",
-              name, static_cast<unsigned long long>(found.came), found.recall(), found.excess(),
-              found.plainUs / static_cast<double>(found.frames),
-              found.predictUs / static_cast<double>(found.frames));
+  std::printf(
+      "%s: %llu came into view, recall %.4f; predicted beyond the view for each in view: %.3f; "
+      "cull %.0f us, prediction %.0f us\n",
+      name, static_cast<unsigned long long>(found.came), found.recall(), found.excess(),
+      found.plainUs / static_cast<double>(found.frames), found.predictUs / static_cast<double>(found.frames));
 }
 
 TEST(Predictor, ForeseesWhatComesIntoViewAtWalkingSpeed) {
@@ -279,7 +280,8 @@ TEST(CameraMotion, IsBoundedAndIgnoresNoise) {
   }
   const CameraPose ahead = motion.ahead(30, 50);
   EXPECT_NEAR((ahead.eye - pose.eye).norm(), 50, 1e-9);
-  EXPECT_NEAR((ahead.target - ahead.eye).dot(pose.target - pose.eye), std::cos(CameraMotion::kMostTurnRad), 1e-9);
+  EXPECT_NEAR((ahead.target - ahead.eye).dot(pose.target - pose.eye), std::cos(CameraMotion::kMostTurnRad),
+              1e-9);
 
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, 0.001);
