@@ -70,15 +70,69 @@ bool hasCrc32cInstruction() {
   return has;
 }
 
+// The instruction takes 3 cycles, and one can start in each: three lanes of a block are summed up side by
+// side. The sum of bytes that others follow is that of as many zeros after it, which is linear in it: a
+// matrix of bits, looked up by bytes.
+constexpr std::size_t kLaneBytes = 1024;
+
+using BitMatrix = std::array<std::uint32_t, 32>;  // columns
+
+constexpr std::uint32_t times(const BitMatrix& matrix, std::uint32_t vector) {
+  std::uint32_t product = 0;
+  for (std::size_t i = 0; i < matrix.size(); ++i)
+    product ^= ((vector >> i) & 1U) != 0 ? matrix[i] : 0;
+  return product;
+}
+
+constexpr std::array<std::array<std::uint32_t, 256>, 4> makeLaneTables() {
+  BitMatrix zeros = {};  // what one zero byte does, then two, four, ...
+  for (std::size_t i = 0; i < zeros.size(); ++i) {
+    const std::uint32_t bit = std::uint32_t{1} << i;
+    zeros[i] = (bit >> 8U) ^ kTables[0][bit & 0xFFU];
+  }
+  for (std::size_t bytes = 1; bytes < kLaneBytes; bytes *= 2) {
+    BitMatrix twice = {};
+    for (std::size_t i = 0; i < twice.size(); ++i)
+      twice[i] = times(zeros, zeros[i]);
+    zeros = twice;
+  }
+  std::array<std::array<std::uint32_t, 256>, 4> tables = {};
+  for (std::size_t k = 0; k < tables.size(); ++k) {
+    for (std::uint32_t byte = 0; byte < 256; ++byte)
+      tables[k][byte] = times(zeros, byte << (8 * k));
+  }
+  return tables;
+}
+
+constexpr auto kLaneTables = makeLaneTables();
+
+std::uint32_t afterLane(std::uint64_t crc) {
+  return kLaneTables[0][crc & 0xFFU] ^ kLaneTables[1][(crc >> 8U) & 0xFFU] ^
+         kLaneTables[2][(crc >> 16U) & 0xFFU] ^ kLaneTables[3][(crc >> 24U) & 0xFFU];
+}
+
+std::uint64_t wordAt(const std::byte* bytes) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, bytes, sizeof(word));
+  return word;
+}
+
 __attribute__((target("sse4.2"))) std::uint32_t crc32cByInstruction(std::span<const std::byte> bytes,
                                                                     std::uint32_t previous) {
   std::uint64_t crc = ~previous;
   std::size_t i = 0;
-  for (; i + 8 <= bytes.size(); i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data() + i, sizeof(word));
-    crc = _mm_crc32_u64(crc, word);
+  for (; i + 3 * kLaneBytes <= bytes.size(); i += 3 * kLaneBytes) {
+    const std::byte* lane = bytes.data() + i;
+    std::uint64_t second = 0, third = 0;
+    for (std::size_t at = 0; at < kLaneBytes; at += 8) {
+      crc = _mm_crc32_u64(crc, wordAt(lane + at));
+      second = _mm_crc32_u64(second, wordAt(lane + kLaneBytes + at));
+      third = _mm_crc32_u64(third, wordAt(lane + 2 * kLaneBytes + at));
+    }
+    crc = afterLane(afterLane(crc) ^ second) ^ third;
   }
+  for (; i + 8 <= bytes.size(); i += 8)
+    crc = _mm_crc32_u64(crc, wordAt(bytes.data() + i));
   auto rest = static_cast<std::uint32_t>(crc);
   for (; i < bytes.size(); ++i)
     rest = _mm_crc32_u8(rest, std::to_integer<std::uint8_t>(bytes[i]));

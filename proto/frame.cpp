@@ -121,13 +121,17 @@ Result<FrameHeader> parseHeader(std::span<const std::byte, kHeaderBytes> bytes, 
 }
 
 Status checkPayload(const FrameHeader& header, std::span<const std::byte> payload) {
-  if (payload.size() < header.payloadBytes) {
+  return checkPayload(header, payload.size(), crc32c(payload));
+}
+
+Status checkPayload(const FrameHeader& header, std::size_t payloadBytes, std::uint32_t payloadCrc32c) {
+  if (payloadBytes < header.payloadBytes) {
     return protocolError(ProtocolError::Truncated, whereOf(header.type));
   }
-  if (payload.size() > header.payloadBytes) {
+  if (payloadBytes > header.payloadBytes) {
     return protocolError(ProtocolError::TrailingBytes, whereOf(header.type));
   }
-  if (crc32c(payload) != header.payloadCrc32c) {
+  if (payloadCrc32c != header.payloadCrc32c) {
     return protocolError(ProtocolError::BadPayloadChecksum, whereOf(header.type));
   }
   return Done{};

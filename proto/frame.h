@@ -154,6 +154,9 @@ void writeHeader(const FrameHeader& header, std::span<std::byte, kHeaderBytes> o
 
 /// Checks size and checksum of a payload against its header. Safe for untrusted bytes.
 [[nodiscard]] Status checkPayload(const FrameHeader& header, std::span<const std::byte> payload);
+/// The same of a payload that was summed up as it came.
+[[nodiscard]] Status checkPayload(const FrameHeader& header, std::size_t payloadBytes,
+                                  std::uint32_t payloadCrc32c);
 
 /// One message as its type and payload, which refers to the bytes it was parsed from.
 struct FrameView {

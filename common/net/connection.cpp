@@ -5,11 +5,15 @@
 #include <span>
 #include <utility>
 
+#include "proto/crc32c.h"
+
 namespace tessera::net {
 
 namespace {
 
 constexpr std::size_t kStretchBytes = 1 << 20;
+/// So much is received at a time: it is then still in the cache when its checksum is computed.
+constexpr std::size_t kReadBytes = 1 << 18;
 constexpr std::size_t kReceiveBytes = 1 << 14, kSmallStretchBytes = 1 << 12;
 constexpr std::size_t kUsualStretches = 8;  // that wait at a time for a peer that keeps up
 
@@ -61,11 +65,22 @@ void Connection::setTimer(Watch& watch) {
   });
 }
 
-awaitable<error_code> Connection::readExactly(std::span<std::byte> bytes, Milliseconds deadline) {
+awaitable<error_code> Connection::readPayload(std::span<std::byte> bytes, Milliseconds deadline,
+                                              std::uint32_t& crc32c) {
   error_code ec;
-  guard(reading_, deadline);
-  co_await asio::async_read(socket_, asio::buffer(bytes.data(), bytes.size()),
-                            asio::redirect_error(asio::use_awaitable, ec));
+  while (!bytes.empty()) {
+    // What is there is taken at once; a composed operation would do so in small pieces.
+    const std::size_t got =
+        socket_.read_some(asio::buffer(bytes.data(), std::min(bytes.size(), kReadBytes)), ec);
+    if (ec == asio::error::would_block || ec == asio::error::try_again) {
+      if (reading_.due == Clock::time_point::max()) guard(reading_, deadline);
+      ec = {};
+      co_await socket_.async_wait(tcp::socket::wait_read, asio::redirect_error(asio::use_awaitable, ec));
+    }
+    if (ec) break;
+    crc32c = proto::crc32c(bytes.first(got), crc32c);
+    bytes = bytes.subspan(got);
+  }
   reading_.due = Clock::time_point::max();
   co_return ec;
 }
@@ -87,6 +102,12 @@ awaitable<error_code> Connection::receive(std::size_t count, Milliseconds deadli
 }
 
 awaitable<Result<Message>> Connection::read(proto::Expect expect, Milliseconds deadline) {
+  Message message;
+  if (Status status = co_await readInto(message, expect, deadline); !status) co_return status.error();
+  co_return message;
+}
+
+awaitable<Status> Connection::readInto(Message& message, proto::Expect expect, Milliseconds deadline) {
   const auto self = shared_from_this();
   if (receivedEnd_ - receivedBegin_ < proto::kHeaderBytes) {
     if (const error_code ec = co_await receive(proto::kHeaderBytes, deadline))
@@ -97,23 +118,26 @@ awaitable<Result<Message>> Connection::read(proto::Expect expect, Milliseconds d
   if (!header) co_return Error{ErrorKind::Runtime, peer_, header.error().what, header.error().mend};
   receivedBegin_ += proto::kHeaderBytes;
 
-  Message message;
   message.type = header->type;
   const auto here = std::span(received_).subspan(
       receivedBegin_, std::min<std::size_t>(receivedEnd_ - receivedBegin_, header->payloadBytes));
-  message.payload.assign(here.begin(), here.end());
+  message.payload.resize(here.size());
+  std::copy(here.begin(), here.end(), message.payload.begin());
   receivedBegin_ += here.size();
+  std::uint32_t crc32c = proto::crc32c(message.payload);
   while (message.payload.size() < header->payloadBytes) {
     const std::size_t had = message.payload.size();
     message.payload.resize(std::min<std::size_t>(header->payloadBytes, had + kStretchBytes));
     const auto stretch = std::span(message.payload).subspan(had);
-    if (const error_code ec = co_await readExactly(stretch, deadline))
+    if (const error_code ec = co_await readPayload(stretch, deadline, crc32c))
       co_return failure(ec, "in the middle of a message");
+    // However fast the bytes come, others have their turn.
+    if (message.payload.size() < header->payloadBytes)
+      co_await asio::post(socket_.get_executor(), asio::use_awaitable);
   }
-  if (Status status = proto::checkPayload(*header, message.payload); !status) {
+  if (Status status = proto::checkPayload(*header, message.payload.size(), crc32c); !status)
     co_return Error{ErrorKind::Runtime, peer_, status.error().what, status.error().mend};
-  }
-  co_return message;
+  co_return Done{};
 }
 
 void Connection::startWriter(Milliseconds deadline) {
@@ -133,8 +157,8 @@ awaitable<void> Connection::writeQueued([[maybe_unused]] std::shared_ptr<Connect
       continue;
     }
     for (const Stretch& stretch : taken_) {
-      const std::shared_ptr<const proto::Bytes> made = stretch.make ? stretch.make() : nullptr;
-      const std::span<const std::byte> bytes = made ? *made : stretch.bytes;
+      const SharedBytes whole = stretch.make ? stretch.make() : stretch.shared;
+      const std::span<const std::byte> bytes = whole ? *whole : stretch.bytes;
       if (co_await write(bytes, deadline)) {
         closeNow();
         co_return;
@@ -146,19 +170,26 @@ awaitable<void> Connection::writeQueued([[maybe_unused]] std::shared_ptr<Connect
 
 awaitable<error_code> Connection::write(std::span<const std::byte> bytes, Milliseconds deadline) {
   error_code ec;
-  while (!ec && !bytes.empty()) {
-    const auto stretch = bytes.first(std::min(kStretchBytes, bytes.size()));
-    // Most of what is written fits into the socket's buffer at once.
-    std::size_t sent = socket_.write_some(asio::buffer(stretch.data(), stretch.size()), ec);
-    if (ec == asio::error::would_block || ec == asio::error::try_again) ec = {};
-    if (!ec && sent < stretch.size()) {
-      guard(writing_, deadline);
-      sent += co_await asio::async_write(socket_, asio::buffer(stretch.data() + sent, stretch.size() - sent),
-                                         asio::redirect_error(asio::use_awaitable, ec));
-      writing_.due = Clock::time_point::max();
+  std::size_t sinceStart = 0;  // of the stretch that the deadline is for
+  while (!bytes.empty()) {
+    // What fits into the socket's buffer is written at once; a composed operation would do so in small
+    // pieces.
+    const std::size_t sent = socket_.write_some(
+        asio::buffer(bytes.data(), std::min(kStretchBytes - sinceStart, bytes.size())), ec);
+    if (ec == asio::error::would_block || ec == asio::error::try_again) {
+      if (writing_.due == Clock::time_point::max()) guard(writing_, deadline);
+      ec = {};
+      co_await socket_.async_wait(tcp::socket::wait_write, asio::redirect_error(asio::use_awaitable, ec));
     }
+    if (ec) break;
     bytes = bytes.subspan(sent);
+    sinceStart += sent;
+    if (sinceStart < kStretchBytes) continue;
+    sinceStart = 0;
+    writing_.due = Clock::time_point::max();
+    if (!bytes.empty()) co_await asio::post(socket_.get_executor(), asio::use_awaitable);
   }
+  writing_.due = Clock::time_point::max();
   co_return ec;
 }
 
@@ -197,13 +228,18 @@ bool Connection::mayQueue() {
 
 void Connection::queue(LazyBytes message) {
   const std::lock_guard lock(mutex_);
-  if (mayQueue()) queue_.push_back({.bytes = {}, .make = std::move(message)});
+  if (mayQueue()) queue_.push_back({.make = std::move(message)});
+}
+
+void Connection::queue(SharedBytes message) {
+  const std::lock_guard lock(mutex_);
+  if (mayQueue()) queue_.push_back({.shared = std::move(message)});
 }
 
 void Connection::queue(std::span<const std::byte> message) {
   const std::lock_guard lock(mutex_);
   if (!mayQueue()) return;
-  const bool fits = !queue_.empty() && !queue_.back().make &&
+  const bool fits = !queue_.empty() && !queue_.back().make && !queue_.back().shared &&
                     queue_.back().bytes.size() + message.size() <= queue_.back().bytes.capacity();
   if (!fits) {
     Stretch& stretch = queue_.emplace_back();
@@ -231,11 +267,16 @@ void Connection::send(LazyBytes message) {
   wakeWriter();
 }
 
+void Connection::send(SharedBytes message) {
+  queue(std::move(message));
+  wakeWriter();
+}
+
 void Connection::send(proto::Bytes message) {
   if (message.size() <= kSmallStretchBytes) return send(std::span<const std::byte>(message));
   {
     const std::lock_guard lock(mutex_);
-    if (mayQueue()) queue_.push_back({.bytes = std::move(message), .make = {}});
+    if (mayQueue()) queue_.push_back({.bytes = std::move(message)});
   }
   wakeWriter();
 }

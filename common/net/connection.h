@@ -11,6 +11,7 @@
 
 #include "common/base/result.h"
 #include "common/net/asio.h"
+#include "common/net/payload_bytes.h"
 #include "proto/codec.h"
 #include "proto/frame.h"
 
@@ -19,11 +20,14 @@ namespace tessera::net {
 /// A message as it came: type and payload, checked against size limits and checksums, not yet decoded.
 struct Message {
   proto::MessageType type = proto::MessageType::Hello;
-  std::vector<std::byte> payload;
+  PayloadBytes payload;
 };
 
+/// A message made once, however many connections send it: they all write the same bytes.
+using SharedBytes = std::shared_ptr<const proto::Bytes>;
+
 /// Makes a message when its turn to be sent has come, so that a queue of large ones costs no memory.
-using LazyBytes = std::function<std::shared_ptr<const proto::Bytes>()>;
+using LazyBytes = std::function<SharedBytes()>;
 
 /// One peer over TCP.
 ///
@@ -47,6 +51,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// The next message. Errors name the peer and the reason: closed by it, deadline, or a
   /// proto::ProtocolError.
   [[nodiscard]] awaitable<Result<Message>> read(proto::Expect expect, Milliseconds deadline);
+  /// The same into `message`, whose payload's room is used again: for whoever receives much.
+  [[nodiscard]] awaitable<Status> readInto(Message& message, proto::Expect expect, Milliseconds deadline);
 
   /// Starts sending what is queued. `deadline` is for the writes. Call once.
   void startWriter(Milliseconds deadline);
@@ -54,12 +60,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// Queues a message behind all that were queued before, from whichever thread. Thread-safe. A peer with
   /// kMaxQueuedMessages waiting messages is given up.
   void send(LazyBytes message);
+  void send(SharedBytes message);
   void send(proto::Bytes message);
   void send(std::span<const std::byte> message);
 
   /// The same without waking the writer, who may find it at once or sleep on until flush() or the next
   /// send(): whoever has messages for many connections wakes all by one post. Does not allocate once warm.
   void queue(LazyBytes message);
+  void queue(SharedBytes message);
   void queue(std::span<const std::byte> message);
   /// Wakes the writer where something is queued. Not thread-safe.
   void flush();
@@ -80,13 +88,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
     Clock::time_point due = Clock::time_point::max();      ///< of the operation under way; max: none is
     Clock::time_point firesAt = Clock::time_point::max();  ///< max: the timer is not set
   };
-  /// A stretch of queued messages: bytes of several, or one that is made when its turn has come.
+  /// A stretch of queued messages: bytes of several, one that is shared, or one that is made when its turn
+  /// has come.
   struct Stretch {
-    proto::Bytes bytes;
-    LazyBytes make;
+    proto::Bytes bytes = {};
+    SharedBytes shared = {};
+    LazyBytes make = {};
   };
 
-  awaitable<error_code> readExactly(std::span<std::byte> bytes, Milliseconds deadline);
+  /// Receives into `bytes` until they are full, and adds them to the checksum while they are in the cache.
+  awaitable<error_code> readPayload(std::span<std::byte> bytes, Milliseconds deadline, std::uint32_t& crc32c);
   /// Receives until at least `count` (at most kReceiveBytes) bytes wait in `received_`.
   awaitable<error_code> receive(std::size_t count, Milliseconds deadline);
   awaitable<void> writeQueued(std::shared_ptr<Connection> self, Milliseconds deadline);

@@ -11,6 +11,7 @@
 #include "server/bench/candidates.h"
 #include "server/bench/cull_table.h"
 #include "server/bench/exponents.h"
+#include "server/bench/fanout.h"
 #include "server/bench/paper_figures.h"
 #include "server/bench/targets.h"
 #include "server/bench/wall_shapes.h"
@@ -278,6 +279,45 @@ void addWallsCommand(CLI::App& bench, std::vector<Command>& commands) {
   commands.push_back({app, [flags] { return benchWalls(*flags); }});
 }
 
+struct FanoutFlags {
+  bench::FanoutOptions options;
+  std::uint64_t megabytes = 500;
+  std::string json;
+};
+
+Status benchFanout(const FanoutFlags& flags) {
+  bench::FanoutOptions options = flags.options;
+  options.bytes = flags.megabytes * 1'000'000;
+  const auto fanout = bench::measureFanout(options);
+  if (!fanout) return fanout.error();
+  std::printf("%-38s %12s %10s %16s %10s\n", "", "MB/s in sum", "of bare", "MB/processor s", "of bare");
+  for (const bench::Json& kind : (*fanout)["kinds"]) {
+    std::printf("%-38s %12.0f %10.3f %16.0f %10.3f\n", kind["name"].get<std::string>().c_str(),
+                kind["median_mb_per_s"].get<double>(), kind["of_bare"].get<double>(),
+                kind["median_mb_per_processor_s"].get<double>(),
+                kind["of_bare_by_processor_time"].get<double>());
+  }
+  return writeJson(flags.json, *fanout);
+}
+
+void addFanoutCommand(CLI::App& bench, std::vector<Command>& commands) {
+  CLI::App* app = bench.add_subcommand(
+      "fanout",
+      "The same assets to many receivers over loopback: as messages, dropped or checked, beside bare TCP");
+  auto flags = std::make_shared<FanoutFlags>();
+  app->add_option("--tiles", flags->options.receivers, "Receivers, a process each")
+      ->capture_default_str()
+      ->check(CLI::Range(1U, 256U));
+  app->add_option("--megabytes", flags->megabytes, "What each receives")
+      ->capture_default_str()
+      ->check(CLI::Range(std::uint64_t{4}, std::uint64_t{100'000}));
+  app->add_option("--runs", flags->options.runs, "So many times each, in turn")
+      ->capture_default_str()
+      ->check(CLI::Range(1U, 100U));
+  app->add_option("--json", flags->json, "Write the figures to this file");
+  commands.push_back({app, [flags] { return benchFanout(*flags); }});
+}
+
 void addCullTableCommand(CLI::App& bench, std::vector<Command>& commands) {
   CLI::App* cull = bench.add_subcommand(
       "cull",
@@ -343,6 +383,7 @@ void addBenchCommands(CLI::App& tessera, std::vector<Command>& commands) {
   addCullTableCommand(*bench, commands);
   addTargetsCommand(*bench, commands);
   addWallsCommand(*bench, commands);
+  addFanoutCommand(*bench, commands);
 }
 
 }  // namespace tessera

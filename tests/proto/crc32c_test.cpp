@@ -88,5 +88,22 @@ TEST(Crc32c, EveryWayAgreesOnALargeBuffer) {
     EXPECT_EQ(crc(bytes, 0), crcByBits(bytes));
 }
 
+// The instruction goes by blocks of several lanes.
+TEST(Crc32c, LongStretchesAreTheSumOfTheirParts) {
+  std::mt19937 random(12);
+  const std::vector<std::byte> bytes = randomBytes(20'000, random);
+  for (const std::size_t size : {1024U, 3071U, 3072U, 3073U, 3079U, 6143U, 6144U, 6151U, 12'345U, 20'000U}) {
+    for (const std::size_t offset : {0U, 1U, 7U}) {
+      const auto part = std::span(bytes).subspan(offset).first(size - offset);
+      const std::uint32_t expected = crcByBits(part);
+      for (const Crc crc : allWays()) {
+        EXPECT_EQ(crc(part, 0), expected) << size;
+        for (const std::size_t cut : {std::size_t{1}, part.size() / 2, part.size() - 3})
+          EXPECT_EQ(crc(part.subspan(cut), crc(part.first(cut), 0)), expected) << size << " cut at " << cut;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tessera::proto

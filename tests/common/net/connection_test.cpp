@@ -40,6 +40,19 @@ class ConnectionPair : public ::testing::Test {
     return *std::move(result);
   }
 
+  Status readInto(Connection& connection, Message& message, Milliseconds deadline) {
+    std::optional<Status> result;
+    std::atomic<bool> done{false};
+    const auto reading = [&]() -> awaitable<void> {
+      result.emplace(co_await connection.readInto(message, proto::Expect::Anything, deadline));
+      done = true;
+    };
+    asio::co_spawn(io_, reading, asio::detached);
+    while (!done)
+      std::this_thread::sleep_for(Milliseconds(1));
+    return *std::move(result);
+  }
+
   asio::io_context io_;
   asio::executor_work_guard<asio::io_context::executor_type> work_ = asio::make_work_guard(io_);
   std::shared_ptr<Connection> here_, there_;
@@ -134,6 +147,61 @@ TEST_F(ConnectionPair, CarriesMessagesOfAllSizes) {
     ASSERT_TRUE(frame) << frame.error().text();
     ASSERT_EQ(frame->toggles.size(), size);
     EXPECT_TRUE(std::equal(frame->toggles.begin(), frame->toggles.end(), bytes.begin()));
+  }
+}
+
+TEST_F(ConnectionPair, OneMessageIsSharedByManyQueuesAndRoomIsUsedAgain) {
+  std::vector<std::byte> content(1'500'000);
+  for (std::size_t i = 0; i < content.size(); ++i)
+    content[i] = static_cast<std::byte>(i * 5 + i / 509);
+  const proto::Asset asset = {.bytes = content};
+  const auto large = std::make_shared<const proto::Bytes>(proto::encode(proto::Assets{{asset, asset}}));
+  const auto small = std::make_shared<const proto::Bytes>(proto::encode(proto::Ping{3}));
+  here_->startWriter(Milliseconds(5000));
+  there_->startWriter(Milliseconds(5000));
+  for (Connection* connection : {here_.get(), there_.get()}) {
+    connection->queue(large);
+    connection->queue(small);
+    connection->send(large);
+  }
+  Message message;
+  for (Connection* connection : {there_.get(), here_.get()}) {
+    const std::byte* room = nullptr;
+    for (const bool isLarge : {true, false, true}) {
+      const Status status = readInto(*connection, message, Milliseconds(5000));
+      ASSERT_TRUE(status.ok()) << status.error().text();
+      if (!isLarge) {
+        EXPECT_EQ(proto::decodePing(message.payload)->nonce, 3U);
+        continue;
+      }
+      const auto assets = proto::decodeAssets(message.payload);
+      ASSERT_TRUE(assets.ok()) << assets.error().text();
+      ASSERT_EQ(assets->assets.size(), 2U);
+      EXPECT_TRUE(std::equal(content.begin(), content.end(), assets->assets[1].bytes.begin()));
+      if (room) {
+        EXPECT_EQ(message.payload.data(), room);
+      }
+      room = message.payload.data();
+    }
+  }
+  // What is written is let go, a moment after it has arrived.
+  const auto end = Clock::now() + Milliseconds(5000);
+  while (large.use_count() > 1 && Clock::now() < end)
+    std::this_thread::sleep_for(Milliseconds(1));
+  EXPECT_EQ(large.use_count(), 1);
+}
+
+TEST_F(ConnectionPair, ADamagedLargePayloadIsRefused) {
+  std::vector<std::byte> content(2'000'000, std::byte{1});
+  for (const std::size_t place : {std::size_t{60}, content.size() / 2, content.size()}) {
+    SCOPED_TRACE(place);
+    proto::Bytes bytes = proto::encode(proto::Assets{{{.bytes = content}}});
+    bytes[place] ^= std::byte{4};
+    here_->send(std::make_shared<const proto::Bytes>(std::move(bytes)));
+    if (place == 60) here_->startWriter(Milliseconds(5000));
+    const auto message = read(*there_, Milliseconds(5000));
+    ASSERT_FALSE(message);
+    EXPECT_NE(message.error().text().find("checksum"), std::string::npos) << message.error().text();
   }
 }
 
