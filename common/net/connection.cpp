@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t kStretchBytes = 1 << 20;
 /// So much is received at a time: it is then still in the cache when its checksum is computed.
 constexpr std::size_t kReadBytes = 1 << 18;
+/// Whoever waits for the rest of a large payload is woken when so much has come, not for every packet.
+constexpr std::size_t kWakeBytes = 1 << 17;
 constexpr std::size_t kReceiveBytes = 1 << 14, kSmallStretchBytes = 1 << 12;
 constexpr std::size_t kUsualStretches = 8;  // that wait at a time for a peer that keeps up
 
@@ -67,7 +69,13 @@ void Connection::setTimer(Watch& watch) {
 
 awaitable<error_code> Connection::readPayload(std::span<std::byte> bytes, Milliseconds deadline,
                                               std::uint32_t& crc32c) {
-  error_code ec;
+  error_code ec, ignored;
+  std::size_t wakesAt = 1;
+  const auto wakeAt = [&](std::size_t count) {
+    if (count == wakesAt) return;
+    wakesAt = count;
+    socket_.set_option(asio::socket_base::receive_low_watermark(static_cast<int>(count)), ignored);
+  };
   while (!bytes.empty()) {
     // What is there is taken at once; a composed operation would do so in small pieces.
     const std::size_t got =
@@ -75,6 +83,7 @@ awaitable<error_code> Connection::readPayload(std::span<std::byte> bytes, Millis
     if (ec == asio::error::would_block || ec == asio::error::try_again) {
       if (reading_.due == Clock::time_point::max()) guard(reading_, deadline);
       ec = {};
+      wakeAt(std::min(bytes.size(), kWakeBytes));
       co_await socket_.async_wait(tcp::socket::wait_read, asio::redirect_error(asio::use_awaitable, ec));
     }
     if (ec) break;
@@ -82,6 +91,7 @@ awaitable<error_code> Connection::readPayload(std::span<std::byte> bytes, Millis
     bytes = bytes.subspan(got);
   }
   reading_.due = Clock::time_point::max();
+  wakeAt(1);
   co_return ec;
 }
 

@@ -7,8 +7,8 @@
 
 namespace tessera::net {
 
-/// Leaves elements that a vector is resized to as they are: they are received into, and zeros would be written
-/// for nothing.
+/// Leaves elements that a vector is resized to as they are: they are received into, and zeros would be
+/// written for nothing.
 template <class T>
 struct UnsetAllocator : std::allocator<T> {
   template <class U>

@@ -1,5 +1,13 @@
 #include "server/bench/fanout.h"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <vector>
+
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -8,14 +16,6 @@
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <cstring>
-#include <memory>
-#include <random>
-#include <vector>
 
 #include "common/assets/asset_id.h"
 #include "common/net/connection.h"
@@ -46,7 +46,9 @@ constexpr std::array kKinds = {Kind{FanoutReceiver::Bare, "bare TCP"},
 struct Load {
   std::vector<net::SharedBytes> different;
   std::uint64_t messages = 0, bytes = 0;
-  [[nodiscard]] const net::SharedBytes& message(std::uint64_t i) const { return different[i % different.size()]; }
+  [[nodiscard]] const net::SharedBytes& message(std::uint64_t i) const {
+    return different[i % different.size()];
+  }
 };
 
 Load makeLoad(std::uint64_t bytes) {
@@ -59,7 +61,8 @@ Load makeLoad(std::uint64_t bytes) {
     proto::Assets message;
     for (std::size_t at = 0; at + kAssetBytes <= kMessageBytes; at += kAssetBytes) {
       const auto content = std::as_bytes(std::span(noise)).subspan(at, kAssetBytes);
-      message.assets.push_back({.id = assetIdOf(content).bytes, .kind = proto::AssetKind::Drawable, .bytes = content});
+      message.assets.push_back(
+          {.id = assetIdOf(content).bytes, .kind = proto::AssetKind::Drawable, .bytes = content});
     }
     load.different.push_back(std::make_shared<const proto::Bytes>(proto::encode(message)));
   }
@@ -177,7 +180,8 @@ Status sendBare(const std::vector<Descriptor>& sockets, const Load& load, Clock:
   return Done{};
 }
 
-net::awaitable<void> sendMessages(std::shared_ptr<net::Connection> to, const Load& load, std::size_t& answers) {
+net::awaitable<void> sendMessages(std::shared_ptr<net::Connection> to, const Load& load,
+                                  std::size_t& answers) {
   for (std::uint64_t i = 0; i < load.messages; ++i)
     to->queue(load.message(i));
   to->flush();
@@ -200,7 +204,8 @@ Status sendByConnections(std::vector<Descriptor>& sockets, const Load& load) {
     net::asio::co_spawn(io, sendMessages(connection, load, answers), net::asio::detached);
   }
   io.run_for(kDeadline);
-  return answers == sockets.size() ? Status(Done{}) : Status(runtimeError("fan-out", "a receiver has not answered"));
+  return answers == sockets.size() ? Status(Done{})
+                                   : Status(runtimeError("fan-out", "a receiver has not answered"));
 }
 
 /// Of this process and of those that have ended under it.
@@ -236,7 +241,8 @@ Result<Speed> measureOnce(const Kind& kind, const Load& load, unsigned count) {
   }
   const auto start = Clock::now();
   const double processorStart = processorUs();
-  Status status = kind.receiver <= FanoutReceiver::BareWhole ? sendBare(sockets, load, end) : sendByConnections(sockets, load);
+  Status status = kind.receiver <= FanoutReceiver::BareWhole ? sendBare(sockets, load, end)
+                                                             : sendByConnections(sockets, load);
   const std::chrono::duration<double, std::micro> us = Clock::now() - start;
   if (status) status = receivers.finish();
   if (!status) return status.error();
@@ -263,15 +269,19 @@ Result<Json> measureFanout(const FanoutOptions& options) {
       byProcessor[kind].push_back(speed->mbPerProcessorS);
     }
   }
-  Json json = {{"receivers", options.receivers}, {"bytes_each", load.bytes}, {"runs", options.runs}, {"kinds", Json::array()}};
+  Json json = {{"receivers", options.receivers},
+               {"bytes_each", load.bytes},
+               {"runs", options.runs},
+               {"kinds", Json::array()}};
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
-    json["kinds"].push_back({{"name", kKinds[kind].name},
-                             {"mb_per_s", speeds[kind]},
-                             {"median_mb_per_s", medianOf(speeds[kind])},
-                             {"of_bare", medianOf(speeds[kind]) / medianOf(speeds[0])},
-                             {"mb_per_processor_s", byProcessor[kind]},
-                             {"median_mb_per_processor_s", medianOf(byProcessor[kind])},
-                             {"of_bare_by_processor_time", medianOf(byProcessor[kind]) / medianOf(byProcessor[0])}});
+    json["kinds"].push_back(
+        {{"name", kKinds[kind].name},
+         {"mb_per_s", speeds[kind]},
+         {"median_mb_per_s", medianOf(speeds[kind])},
+         {"of_bare", medianOf(speeds[kind]) / medianOf(speeds[0])},
+         {"mb_per_processor_s", byProcessor[kind]},
+         {"median_mb_per_processor_s", medianOf(byProcessor[kind])},
+         {"of_bare_by_processor_time", medianOf(byProcessor[kind]) / medianOf(byProcessor[0])}});
   }
   return json;
 }

@@ -16,8 +16,8 @@ struct FanoutOptions {
 /// How fast one sender gets the same geometry to many receivers, processes of their own on this machine, over
 /// loopback: as messages of the protocol (net::Connection), received and dropped or their assets also held
 /// against their hashes, and as bare bytes over the same sockets in writes and reads of the same size. All in
-/// turn in each run; MB/s, of all receivers together, and the medians. To be called before any thread is started,
-/// as it forks.
+/// turn in each run; MB/s, of all receivers together, and the medians. To be called before any thread is
+/// started, as it forks.
 [[nodiscard]] Result<Json> measureFanout(const FanoutOptions& options);
 
 }  // namespace tessera::bench

@@ -1,13 +1,13 @@
 #include "server/bench/fanout_receiver.h"
 
+#include <algorithm>
+#include <memory>
+
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
-
-#include <algorithm>
-#include <memory>
 
 #include "common/assets/asset_id.h"
 #include "common/net/connection.h"
@@ -49,9 +49,9 @@ bool receiveBare(int fd, std::uint64_t bytes, std::size_t bufferBytes) {
 
 bool areWhatTheyAreCalled(const net::Message& message) {
   const auto decoded = proto::decodeAssets(message.payload);
-  return decoded && std::all_of(decoded->assets.begin(), decoded->assets.end(), [](const proto::Asset& asset) {
-           return assetIdOf(asset.bytes).bytes == asset.id;
-         });
+  return decoded &&
+         std::all_of(decoded->assets.begin(), decoded->assets.end(),
+                     [](const proto::Asset& asset) { return assetIdOf(asset.bytes).bytes == asset.id; });
 }
 
 awaitable<void> receiveMessages(std::shared_ptr<net::Connection> from, std::uint64_t messages, bool checks,
@@ -81,7 +81,8 @@ bool receiveFanout(FanoutReceiver receiver, std::uint16_t port, std::uint64_t by
   const auto connection = std::make_shared<net::Connection>(std::move(socket));
   connection->startWriter(kDeadline);
   bool good = false;
-  net::asio::co_spawn(io, receiveMessages(connection, messages, receiver == FanoutReceiver::CheckedAssets, good),
+  net::asio::co_spawn(io,
+                      receiveMessages(connection, messages, receiver == FanoutReceiver::CheckedAssets, good),
                       net::asio::detached);
   io.run();
   return good;
