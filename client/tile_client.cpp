@@ -125,12 +125,18 @@ class TileConversation {
     // The list of the last frame is the only one that was acknowledged last.
     if (frame.baseFrame != 0 && frame.baseFrame != frame_)
       return runtimeError(nameOf(frame), "builds on a list that is not here");
-    if (frame.baseFrame == 0) list_.reset();
+    const bool isWhole = frame.baseFrame == 0;
+    if (isWhole) {
+      listBefore_ = list_.list();
+      list_.reset();
+    }
     if (Status status = list_.decode(frame.toggles); !status) return status;
     if (leafCount(list_.list()) != frame.listLeafCount)
       return runtimeError(nameOf(frame), "has a list of the wrong length");
     // What was listed before has a record.
-    for (const LeafRange range : list_.toggled()) {
+    if (isWhole) symmetricDifferenceInto(listBefore_, list_.list(), changed_);
+    const VisibleList& changed = isWhole ? changed_ : list_.toggled();
+    for (const LeafRange range : changed) {
       for (std::uint32_t leaf = range.first; leaf != range.last; ++leaf) {
         if (!cache_.has(leaf))
           return runtimeError(nameOf(frame), "lists leaf " + std::to_string(leaf) + ", which was not sent");
@@ -143,8 +149,8 @@ class TileConversation {
     if (Status status = cache_.prepare(); !status) return status;
     const std::size_t missed = missing_.size();
     std::erase_if(missing_, [this](std::uint32_t leaf) { return cache_.isComplete(leaf); });
-    const bool hasNewList = frame.baseFrame == 0 || !frame.toggles.empty() || missing_.size() != missed;
-    cache_.show(list_.toggled());
+    const bool hasNewList = isWhole || !frame.toggles.empty() || missing_.size() != missed;
+    cache_.show(changed);
     if (view_) {
       if (hasNewList) view_->setList(list_.list(), cache_, welcome_.onMiss == proto::OnMiss::Box);
       if (Status status = view_->draw(frame, factsOf(frame)); !status) return status;
@@ -250,6 +256,7 @@ class TileConversation {
   TileCache cache_;
   std::optional<TileView> view_;
   proto::ListDecoder list_{welcome_.leafCount};
+  VisibleList listBefore_, changed_;  ///< of frames that bring the whole list
   std::vector<std::uint32_t> missing_;  ///< in the list and not complete
   FrameRate rate_;
   std::uint64_t frame_ = 0, framesShown_ = 0, bytesReceived_ = 0;

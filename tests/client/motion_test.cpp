@@ -71,7 +71,7 @@ struct WholeTile {
     return points;
   }
 
-  TileCache cache{true};
+  TileCache cache{TileCache::Options{}};
 };
 
 double outside(const Bounds& bounds, const Vec3& p) {

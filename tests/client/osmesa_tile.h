@@ -102,7 +102,7 @@ class OsMesaTile {
     EXPECT_TRUE(status.ok()) << (status ? "" : status.error().text());
     view_ = std::make_unique<TileView>(welcome, surface_->drawnSize());
     addScene(cache_);
-    view_->setList({{0, kSceneLeaves}}, cache_);
+    view_->setList({{0, kSceneLeaves}}, cache_, false);
   }
   OsMesaTile(int widthPx, int heightPx) : OsMesaTile(welcomeOf(widthPx, heightPx)) {}
   ~OsMesaTile() {
@@ -136,7 +136,7 @@ class OsMesaTile {
   const PixelSize drawn_;
   const std::unique_ptr<SurfaceMaker> surfaces_ = makeOffscreenSurfaces();
   std::unique_ptr<Surface> surface_;
-  TileCache cache_{true};
+  TileCache cache_{TileCache::Options{}};
   std::unique_ptr<TileView> view_;
 };
 
