@@ -89,6 +89,7 @@ class Extractor {
       visits_.pop_back();
       if (!visit.node) {
         builder_.closeNode();
+        if (notes_.mayHide()) shown_.closeNode();
         notes_.leave(visit.place, visit.isParentHidden, scene_.graphLeafCount);
         continue;
       }
@@ -96,8 +97,12 @@ class Extractor {
       tellProgress();
     }
     scene_.hierarchy = builder_.finish();
-    const Result<motion::Motion> motion = notes_.finish();
+    Result<motion::Motion> motion = notes_.finish();
     if (!motion) return inputError(scene_.source, motion.error().what);
+    if (!motion->hiddenAsLoaded.empty()) {
+      const ObjectHierarchy shown = shown_.finish();
+      if (!shown.empty()) motion->shownAsLoaded = shown.sphere(0);
+    }
     const std::string encoded = motion::encodeMotion(*motion);
     scene_.motion = std::vector<char>(encoded.begin(), encoded.end());
     warned_.insert(notes_.warnings().begin(), notes_.warnings().end());
@@ -174,6 +179,7 @@ class Extractor {
     const osg::StateSet* state = writer_.merged(visit.state, node.getStateSet());
 
     builder_.openNode();
+    if (notes_.mayHide()) shown_.openNode();
     const MotionNotes::Place place = notes_.enter(node, local ? &m : nullptr, visit.place, visit.above,
                                                   visit.childIndex, scene_.graphLeafCount);
     visits_.push_back({.place = place, .isParentHidden = visit.place.hidden});  // closes it
@@ -360,7 +366,9 @@ class Extractor {
       return nodeError(path, "is a billboard whose drawable lies far from its origin");
     }
     // Bounds hold the vertices of the file and those that the tiles are sent.
-    builder_.addLeaf(boundsOf(points, transform.errorAt(reach) + transform.spread(storageError)));
+    const Bounds bounds = boundsOf(points, transform.errorAt(reach) + transform.spread(storageError));
+    builder_.addLeaf(bounds);
+    if (notes_.mayHide() && !motionPlace.hidden) shown_.addLeaf(bounds);
     scene_.leaves.push_back(std::move(leaf));
     return Done{};
   }
@@ -420,6 +428,7 @@ class Extractor {
   AssetWriter writer_;
   MotionNotes notes_;
   ObjectHierarchyBuilder builder_;
+  ObjectHierarchyBuilder shown_;  ///< of what is shown as loaded alone; for its size
   std::vector<Visit> visits_;
   std::unordered_map<const osg::Drawable*, std::optional<Cut>> sharedCuts_;
   std::set<std::string> warned_;

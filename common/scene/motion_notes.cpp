@@ -170,6 +170,7 @@ void MotionNotes::keepWhatMatters(const osg::Node& root) {
       if (seen.insert(child).second) open.emplace_back(child, 0);
       continue;
     }
+    mayHide_ = mayHide_ || choosesChildren(*node);
     bool isKept = choosesChildren(*node) || hasCallback(*node);
     for (unsigned int i = 0; group && !isKept && i < group->getNumChildren(); ++i)
       isKept = kept_.contains(group->getChild(i));

@@ -54,6 +54,9 @@ class MotionNotes {
   void addLeaf(const NewLeaf& leaf, const osg::Drawable& drawable, const std::vector<Vec3>& points,
                const Place& place);
 
+  /// Some node chooses its children, so that some leaves may be hidden.
+  [[nodiscard]] bool mayHide() const { return mayHide_; }
+
   /// What moves; empty where nothing does. To be called once.
   [[nodiscard]] Result<motion::Motion> finish();
   [[nodiscard]] const std::set<std::string>& warnings() const { return warnings_; }
@@ -67,6 +70,7 @@ class MotionNotes {
   const ImportedGraph& graph_;
   motion::Motion motion_;
   std::unordered_set<const osg::Node*> kept_;
+  bool mayHide_ = false;
   std::vector<bool> movesInGltf_;  ///< by node of the motion
   osg::ref_ptr<osg::Group> skeleton_;
   std::vector<const osg::Node*> leafNodes_, unitNodes_;  ///< of the skeleton; of motion_'s leaves and units

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,6 +66,7 @@ struct Scene {
   Column<char> names;
   AssetTable assets;
   Column<char> motion;                ///< what moves (motion/motion_codec.h); empty: nothing
+  std::optional<Sphere> shown;        ///< where some leaves are absent at first: around the others
   std::vector<std::string> warnings;  ///< what could not be taken over as it was
 
   [[nodiscard]] std::uint64_t triangleCount() const;
@@ -81,8 +83,8 @@ struct Scene {
   [[nodiscard]] std::string pathOfNode(std::uint32_t pathNode) const;
   /// Child indices from the root to the leaf's node, in the file's graph. Empty for glTF.
   [[nodiscard]] std::vector<std::uint32_t> nodePathOf(std::uint32_t leaf) const;
-  /// The sphere that camera paths in scene space refer to.
-  [[nodiscard]] const Sphere& sphere() const { return hierarchy.sphere(0); }
+  /// The sphere that camera paths in scene space refer to: around what is shown as the file has it.
+  [[nodiscard]] const Sphere& sphere() const { return shown ? *shown : hierarchy.sphere(0); }
 };
 
 }  // namespace tessera

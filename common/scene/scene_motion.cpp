@@ -29,8 +29,9 @@ Result<std::unique_ptr<motion::MotionPlayer>> motionPlayerOf(const Scene& scene,
 Status hideAsLoaded(Scene& scene) {
   const Result<motion::Motion> motion = motion::decodeMotion({scene.motion.data(), scene.motion.size()});
   if (!motion) return motion.error();
-  if (!motion->hiddenAsLoaded.empty())
-    scene.hierarchy.setAbsentLeaves(motion::leavesOf(motion->hiddenAsLoaded, partsOf(scene)));
+  if (motion->hiddenAsLoaded.empty()) return Done{};
+  scene.hierarchy.setAbsentLeaves(motion::leavesOf(motion->hiddenAsLoaded, partsOf(scene)));
+  if (motion->shownAsLoaded.radius >= 0) scene.shown = motion->shownAsLoaded;
   return Done{};
 }
 

@@ -12,6 +12,7 @@
 #include "server/commands/inputs.h"
 #include "server/commands/visible_lists_file.h"
 #include "server/master/run_report.h"
+#include "server/master/scene_motion.h"
 #include "server/master/wall_culler.h"
 
 namespace tessera {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <osg/Geometry>
 
@@ -122,8 +123,8 @@ INSTANTIATE_TEST_SUITE_P(
     Scenes, RealMotion,
     ::testing::Values("models/CesiumMan.glb", "models/AnimatedMorphCube/AnimatedMorphCube.gltf",
                       "models/parent_inverse_anim/06_parent-inverse-anim.gltf", "osg/clock.osgt"),
-    [](const auto& info) {
-      std::string name = std::filesystem::path(info.param).stem();
+    [](const auto& test) {
+      std::string name = std::filesystem::path(test.param).stem();
       std::replace_if(
           name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
       return name;

@@ -84,6 +84,8 @@ struct Motion {
                             ///< numbered in depth-first pre-order
   std::vector<Unit> units;  ///< in the order of nodes
   VisibleList hiddenAsLoaded;  ///< leaves of the graph that a scene does not show that nobody plays
+  /// Around what is shown as loaded, where something is hidden; radius below 0: the same as around all.
+  Sphere shownAsLoaded = {Vec3::Zero(), -1};
 
   [[nodiscard]] bool empty() const { return leaves.empty() && units.empty(); }
 };

@@ -296,6 +296,8 @@ std::string encodeMotion(const Motion& motion) {
     to.number(range.first);
     to.number(range.last);
   });
+  to.vec3(motion.shownAsLoaded.center);
+  to.number(motion.shownAsLoaded.radius);
   return std::move(to.out);
 }
 
@@ -338,6 +340,8 @@ Result<Motion> decodeMotion(std::string_view bytes) {
     const auto first = from.number<std::uint32_t>(), last = from.number<std::uint32_t>();
     return LeafRange{first, last};
   });
+  motion.shownAsLoaded.center = from.vec3();
+  motion.shownAsLoaded.radius = from.finite<double>();
   from.end();
   if (!from.failure()) from.require(refersWell(motion), "refers to something that is not there");
   if (from.failure()) return *from.failure();
