@@ -65,8 +65,10 @@ std::uint64_t pixelsOf(const CachedLeaf& leaf, const proto::Frame& frame, std::i
     minX = std::min(minX, x), maxX = std::max(maxX, x);
     minY = std::min(minY, y), maxY = std::max(maxY, y);
   }
-  const double columns = std::clamp(std::ceil(maxX), 0.0, 1.0 * widthPx) - std::clamp(std::floor(minX), 0.0, 1.0 * widthPx);
-  const double rows = std::clamp(std::ceil(maxY), 0.0, 1.0 * heightPx) - std::clamp(std::floor(minY), 0.0, 1.0 * heightPx);
+  const double columns =
+      std::clamp(std::ceil(maxX), 0.0, 1.0 * widthPx) - std::clamp(std::floor(minX), 0.0, 1.0 * widthPx);
+  const double rows =
+      std::clamp(std::ceil(maxY), 0.0, 1.0 * heightPx) - std::clamp(std::floor(minY), 0.0, 1.0 * heightPx);
   return static_cast<std::uint64_t>(std::max(columns, 0.0) * std::max(rows, 0.0));
 }
 

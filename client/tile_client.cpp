@@ -256,7 +256,7 @@ class TileConversation {
   TileCache cache_;
   std::optional<TileView> view_;
   proto::ListDecoder list_{welcome_.leafCount};
-  VisibleList listBefore_, changed_;  ///< of frames that bring the whole list
+  VisibleList listBefore_, changed_;    ///< of frames that bring the whole list
   std::vector<std::uint32_t> missing_;  ///< in the list and not complete
   FrameRate rate_;
   std::uint64_t frame_ = 0, framesShown_ = 0, bytesReceived_ = 0;

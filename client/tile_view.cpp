@@ -129,6 +129,7 @@ class LeafListNode : public osg::Node {
   }
 
   void add(osgUtil::CullVisitor& cull, const CachedLeaf& leaf) const {
+    if (!leaf.canBeDrawn()) return;
     if (leaf.deformer) leaf.deformer->apply();
     Mat4 relative = leaf.localToWorld;
     relative.col(3).head<3>() -= eye_;

@@ -94,7 +94,7 @@ class LeafCache {
   std::size_t presentAssets_ = 0;
   std::unordered_map<AssetId, AssetEntry, AssetIdHash> assets_;
   std::unordered_map<std::uint32_t, LeafEntry> leaves_;
-  LeafEntry ends_;  ///< before the first and after the last of the chain
+  LeafEntry ends_;              ///< before the first and after the last of the chain
   std::vector<AssetId> loose_;  ///< came since the last trim() and may be needed by nothing
   Dropped dropped_;
 };

@@ -51,10 +51,12 @@ Master::Master(const Scene& scene, const Wall& wall, const CameraPath& path, con
                .pictures = pictures_.get(),
                .deadlines = {},
                .handshakes = 0} {
-  trianglesBefore_.reserve(scene.leaves.size() + 1);
   trianglesBefore_.push_back(0);
-  for (const SceneLeaf& leaf : scene.leaves)
-    trianglesBefore_.push_back(trianglesBefore_.back() + leaf.triangles);
+  // Only where they are asked for: the rows of all leaves would come into memory.
+  if (options.countTriangles) {
+    for (const SceneLeaf& leaf : scene.leaves)
+      trianglesBefore_.push_back(trianglesBefore_.back() + leaf.triangles);
+  }
   newInputs_.reserve(InputQueue::kCapacity);
   mirrors_.reserve(wall.tiles.size());
   for (std::size_t i = 0; i < wall.tiles.size(); ++i)

@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/host.h"
+
 namespace tessera {
 
 namespace {
@@ -105,6 +107,7 @@ std::string RunReport::json() const {
       {"seconds", seconds},
       {"frames_per_second", seconds > 0 && frames > 1 ? static_cast<double>(frames - 1) / seconds : 0.0},
       {"first_frame_ms", firstFrameMs},
+      {"master_peak_resident_bytes", peakResidentBytes()},
       {"frames_incomplete", framesIncomplete},
       {"streaming",
        {{"on_miss", nameOf(stream.onMiss)},
@@ -141,6 +144,8 @@ std::string RunReport::frameLog() const {
     log += Json{{"frame", i + 1},
                 {"ms", frameMs.values[i]},
                 {"pairs", visibleLeavesPerFrame.values[i]},
+                {"list_bytes", listBytesPerFrame.values[i]},
+                {"geometry_bytes", geometryBytesPerFrame.values[i]},
                 {"triangles", trianglesPerFrame.values[i]}}
                .dump() +
            "\n";

@@ -59,7 +59,7 @@ struct RunReport {
   void keepLast(std::size_t count);
 
   [[nodiscard]] std::string json() const;
-  /// One line for each frame: {"frame", "ms", "pairs", "triangles"}.
+  /// One line for each frame: {"frame", "ms", "pairs", "list_bytes", "geometry_bytes", "triangles"}.
   [[nodiscard]] std::string frameLog() const;
 
  private:

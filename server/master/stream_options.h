@@ -19,7 +19,7 @@ struct StreamOptions {
 
 /// What a tile said of itself when it came.
 struct TileFacts {
-  std::uint64_t cacheBytes = 0;  ///< 0: no budget
+  std::uint64_t cacheBytes = 0;   ///< 0: no budget
   std::vector<bool> onDisk = {};  ///< by number of the asset; may be empty
 };
 

@@ -56,6 +56,8 @@ Process::Process(const std::vector<std::string>& arguments,
   pid_ = ::fork();
   if (pid_ == 0) {
     ::setpgid(0, 0);
+    // Scenes that tests import are no business of the user's own store.
+    ::setenv("TESSERA_STORE", (std::string(TESSERA_BIN_DIR) + "/../test-store").c_str(), 0);
     for (const auto& [name, value] : environment)
       ::setenv(name.c_str(), value.c_str(), 1);
     ::dup2(::open("/dev/null", O_RDONLY), 0);
