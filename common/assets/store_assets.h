@@ -29,7 +29,7 @@ class StoreAssets : public AssetKeeper {
 
   [[nodiscard]] const Column<StoredAsset>& places() const { return places_; }
 
-  static constexpr std::uint64_t kRecentBytes = std::uint64_t{32} << 20;
+  static constexpr std::uint64_t kRecentBytes = std::uint64_t{16} << 20;
 
  private:
   [[nodiscard]] AssetBytes recent(std::uint32_t number) const;

@@ -13,7 +13,8 @@ namespace {
 
 static_assert(kMaxAssetBytes <= proto::kMaxAssetBytes);
 
-constexpr std::size_t kAssetBatchBytes = 4 << 20;
+// A message is in memory while it is written, one for each tile.
+constexpr std::size_t kAssetBatchBytes = 1 << 20;
 constexpr std::size_t kLeafBatch = 4096;
 constexpr std::size_t kMostAssetsInBatch = 4096;
 // Of predicted leaves that a frame looks at: bounds the time it takes.
