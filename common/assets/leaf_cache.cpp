@@ -19,14 +19,21 @@ LeafCache::AssetEntry& LeafCache::entryOf(const AssetId& id) {
 
 void LeafCache::release(AssetEntry& asset) {
   if (--asset.users > 0) return;
-  for (AssetEntry* needed : asset.needs)
+  for (AssetEntry* needed : asset.needs) {
+    --needed->owners;
     release(*needed);
+  }
   if (asset.isPresent) {
     bytes_ -= asset.bytes;
     --presentAssets_;
     dropped_.assets.push_back(asset.id);
   }
   assets_.erase(AssetId(asset.id));
+}
+
+/// For use outside of trim(), where nothing is dropped.
+void LeafCache::releaseLater(AssetEntry& asset) {
+  if (--asset.users == 0) loose_.push_back(asset.id);
 }
 
 void LeafCache::showAsset(AssetEntry& asset) {
@@ -72,7 +79,7 @@ void LeafCache::setShown(LeafEntry& leaf, bool isShown) {
 
 void LeafCache::addLeaf(std::uint32_t leaf, const AssetId& drawable, const AssetId& state) {
   AssetEntry &newDrawable = entryOf(drawable), &newState = entryOf(state);
-  // The new ones first: what the old record needs, too, must not go.
+  // The new ones first: what the old record needs, too, is in use all the time.
   use(newDrawable);
   use(newState);
   const auto [place, isNew] = leaves_.try_emplace(leaf);
@@ -85,9 +92,8 @@ void LeafCache::addLeaf(std::uint32_t leaf, const AssetId& drawable, const Asset
     wasShown = entry.isShown;
     if (wasShown) setShown(entry, false);
     unchain(entry);
-    AssetEntry &oldDrawable = *entry.drawable, &oldState = *entry.state;
-    release(oldDrawable);
-    release(oldState);
+    releaseLater(*entry.drawable);
+    releaseLater(*entry.state);
   }
   entry.drawable = &newDrawable;
   entry.state = &newState;
@@ -120,9 +126,11 @@ void LeafCache::addAsset(const AssetId& id, std::uint32_t bytes, std::span<const
   ++presentAssets_;
   if (asset.shownUsers > 0) shownBytes_ += bytes;
   for (const AssetId& needed : needs) {
+    if (asset.owners > 0) break;
     AssetEntry& entry = entryOf(needed);
-    if (&entry == &asset) continue;
+    if (&entry == &asset || !entry.needs.empty()) continue;
     use(entry);
+    ++entry.owners;
     asset.needs.push_back(&entry);
     if (asset.shownUsers > 0) showAsset(entry);
   }

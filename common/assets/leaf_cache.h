@@ -38,7 +38,10 @@ class LeafCache {
   [[nodiscard]] bool isComplete(std::uint32_t leaf) const;
 
   [[nodiscard]] bool hasAsset(const AssetId& id) const;
-  /// Adds an asset unless it is here. One that nothing needs by the next trim() is dropped then.
+  /// Adds an asset unless it is here. One that nothing needs by the next trim() is dropped then. Needs are
+  /// one level deep, a state's images: an asset that another one needs has none itself, and what has some is
+  /// needed by leaves alone. So a peer can make neither a circle, which would never be dropped, nor a long
+  /// chain.
   void addAsset(const AssetId& id, std::uint32_t bytes, std::span<const AssetId> needs);
 
   /// The leaf counts as used now. Nothing where it has no record or is in the list.
@@ -66,6 +69,7 @@ class LeafCache {
     std::uint32_t bytes = 0;
     std::uint32_t users = 0;       ///< leaves, or states whose image this is
     std::uint32_t shownUsers = 0;  ///< of these, how many are in the list
+    std::uint32_t owners = 0;      ///< of the users, how many are assets
     bool isPresent = false;
     std::vector<AssetEntry*> needs = {};
   };
@@ -82,6 +86,7 @@ class LeafCache {
   AssetEntry& entryOf(const AssetId& id);
   void use(AssetEntry& asset) { ++asset.users; }
   void release(AssetEntry& asset);
+  void releaseLater(AssetEntry& asset);
   void showAsset(AssetEntry& asset);
   void hideAsset(AssetEntry& asset);
   void chain(LeafEntry& leaf);
@@ -95,7 +100,7 @@ class LeafCache {
   std::unordered_map<AssetId, AssetEntry, AssetIdHash> assets_;
   std::unordered_map<std::uint32_t, LeafEntry> leaves_;
   LeafEntry ends_;              ///< before the first and after the last of the chain
-  std::vector<AssetId> loose_;  ///< came since the last trim() and may be needed by nothing
+  std::vector<AssetId> loose_;  ///< may be needed by nothing since the last trim()
   Dropped dropped_;
 };
 
