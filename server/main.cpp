@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <exception>
 
@@ -19,6 +20,8 @@ int fail(const tessera::Error& error) {
 
 int main(int argc, char** argv) {
   tessera::initLog("tessera");
+  // A file that may grow no further is an error of the write, as a full disk is; it must not end the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   // Not for users: what openScene starts.
   if (argc == 2 && std::string_view(argv[1]) == tessera::kImportWorkerCommand)
     return tessera::runImportWorker();

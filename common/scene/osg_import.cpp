@@ -20,14 +20,16 @@ namespace {
 /// scene's folder or below it: a scene must not be able to show, or to ask the network for, anything else.
 class FilesOfScene : public osgDB::FindFileCallback, public osgDB::ReadFileCallback {
  public:
-  FilesOfScene(std::filesystem::path folder, std::set<std::filesystem::path>& files)
-      : folder_(std::move(folder)), files_(files) {}
+  FilesOfScene(std::filesystem::path scene, std::filesystem::path folder,
+               std::set<std::filesystem::path>& files)
+      : scene_(std::move(scene)), folder_(std::move(folder)), files_(files) {}
 
   std::string findDataFile(const std::string& name, const osgDB::Options* options,
                            osgDB::CaseSensitivity sensitivity) override {
     if (osgDB::containsServerAddress(name)) return {};
     std::string found = osgDB::Registry::instance()->findDataFileImplementation(name, options, sensitivity);
-    if (!found.empty() && !isInFolder(found)) return {};
+    // The scene itself may be a link that the user made.
+    if (!found.empty() && found != scene_ && !isInFolder(found)) return {};
     files_.insert(found.empty() ? folder_ / name : std::filesystem::path(found));
     return found;
   }
@@ -55,7 +57,7 @@ class FilesOfScene : public osgDB::FindFileCallback, public osgDB::ReadFileCallb
     return !ec && !relative.empty() && *relative.begin() != "..";
   }
 
-  const std::filesystem::path folder_;
+  const std::filesystem::path scene_, folder_;
   std::set<std::filesystem::path>& files_;
 };
 
@@ -93,7 +95,7 @@ Result<ImportedGraph> importOsg(const std::filesystem::path& path, bool isZUp) {
                                     (folder / "images").string(), (folder / "textures").string()};
   options->setObjectCacheHint(osgDB::Options::CACHE_NONE);
   ImportedGraph graph;
-  const RegisteredFiles registered(new FilesOfScene(folder, graph.files));
+  const RegisteredFiles registered(new FilesOfScene(path, folder, graph.files));
   osg::ref_ptr<osg::Node> node;
   std::string why;
   try {

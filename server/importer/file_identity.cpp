@@ -45,6 +45,8 @@ std::string hashText(const std::string& text) {
 Result<std::string> hashFile(const std::filesystem::path& path) {
   std::error_code ec;
   if (!std::filesystem::exists(path, ec)) return std::string();
+  // A pipe or a device may have no end.
+  if (!std::filesystem::is_regular_file(path, ec)) return inputError(path.string(), "is not a file");
   std::ifstream file(path, std::ios::binary);
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> sha(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
   std::vector<char> block(kBlockBytes);

@@ -32,7 +32,8 @@ std::string orderText(const ImportOrder& order) {
               {"mtpl", order.job.maxTrianglesPerLeaf},
               {"store", hex(order.store.string())},
               {"entry", order.entry},
-              {"sha256", order.sceneSha256}}
+              {"sha256", order.sceneSha256},
+              {"memory", order.memoryBytes}}
              .dump() +
          "\n";
 }
@@ -46,7 +47,8 @@ std::optional<ImportOrder> orderFrom(const std::string& text) {
                                .maxTrianglesPerLeaf = json.at("mtpl").get<std::uint64_t>()},
                        .store = unhex(json.at("store").get<std::string>()),
                        .entry = json.at("entry").get<std::string>(),
-                       .sceneSha256 = json.at("sha256").get<std::string>()};
+                       .sceneSha256 = json.at("sha256").get<std::string>(),
+                       .memoryBytes = json.at("memory").get<std::uint64_t>()};
   } catch (const std::exception&) {
     return {};
   }

@@ -11,8 +11,8 @@
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>
+#include <spdlog/spdlog.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,6 +27,12 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxAnswerBytes = 1 << 20;
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
 std::uint64_t memoryLimitOf(const ImportLimits& limits) {
   if (limits.memoryBytes > 0) return limits.memoryBytes;
   const long pages = ::sysconf(_SC_PHYS_PAGES), bytes = ::sysconf(_SC_PAGESIZE);
@@ -35,6 +41,11 @@ std::uint64_t memoryLimitOf(const ImportLimits& limits) {
 
 std::string inWords(std::uint64_t bytes) {
   return std::to_string(bytes >> 20) + " MB";
+}
+
+std::string inWords(std::chrono::milliseconds time) {
+  const auto tenths = time.count() / 100;
+  return std::to_string(tenths / 10) + (tenths % 10 == 0 ? "" : "." + std::to_string(tenths % 10)) + " s";
 }
 
 /// A child process and the pipes to it; killed and collected when it goes.
@@ -53,7 +64,7 @@ class Worker {
     }
   }
 
-  Status start(std::uint64_t memoryBytes) {
+  Status start() {
     int toChild[2], fromChild[2];
     if (::pipe2(toChild, O_CLOEXEC) != 0) return failure("no pipe");
     if (::pipe2(fromChild, O_CLOEXEC) != 0) {
@@ -66,9 +77,6 @@ class Worker {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (::getppid() != parent) ::_exit(127);  // the parent died in between
       ::setpgid(0, 0);                          // Ctrl-C is for the parent
-      const rlimit memory{memoryBytes, memoryBytes};
-      // The address space of a program with sanitizers says nothing of what it uses.
-      if (!kSanitized) ::setrlimit(RLIMIT_AS, &memory);
       sigset_t none;
       ::sigemptyset(&none);
       ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -115,12 +123,6 @@ class Worker {
   }
 
  private:
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  static constexpr bool kSanitized = true;
-#else
-  static constexpr bool kSanitized = false;
-#endif
-
   static Status failure(const char* what) {
     return runtimeError("import", std::string(what) + ": " + std::strerror(errno));
   }
@@ -137,6 +139,8 @@ void takeLines(std::string& text, const std::function<void(double)>& progress, J
     if (!line.is_object()) continue;
     if (line.contains("progress") && line["progress"].is_number()) {
       if (progress) progress(std::clamp(line["progress"].get<double>(), 0.0, 1.0));
+    } else if (line.contains("confined") && line["confined"].is_string()) {
+      spdlog::debug("{}", runtimeError("import", line["confined"].get<std::string>()).text());
     } else {
       answer = line;
     }
@@ -146,7 +150,7 @@ void takeLines(std::string& text, const std::function<void(double)>& progress, J
 Error ended(const ImportOrder& order, const ImportLimits& limits, std::optional<int> status, bool wasLate) {
   const std::string file = order.job.scene.string();
   if (wasLate || !status) {
-    return inputError(file, "was not imported within " + std::to_string(limits.time.count() / 1000) + " s",
+    return inputError(file, "was not imported within " + inWords(limits.time),
                       "give it longer with --import-timeout, or check the file");
   }
   if (WIFSIGNALED(*status)) {
@@ -164,8 +168,11 @@ Status runImportProcess(const ImportOrder& order, const ImportLimits& limits,
   const auto deadline = Clock::now() + limits.time;
   const std::uint64_t memoryBytes = memoryLimitOf(limits);
   Worker worker;
-  if (Status status = worker.start(memoryBytes); !status) return status;
-  worker.tell(orderText(order));
+  if (Status status = worker.start(); !status) return status;
+  ImportOrder told = order;
+  // The address space of a program with sanitizers says nothing of what it uses.
+  told.memoryBytes = kSanitized ? 0 : memoryBytes;
+  worker.tell(orderText(told));
   std::string text;
   Json answer;
   while (worker.read(text, deadline))

@@ -29,8 +29,9 @@ struct ImportLimits {
 struct ImportOrder {
   ImportJob job;
   std::filesystem::path store;
-  std::string entry;        ///< name of the index in the store
-  std::string sceneSha256;  ///< of the file as the one who ordered it saw it
+  std::string entry;              ///< name of the index in the store
+  std::string sceneSha256;        ///< of the file as the one who ordered it saw it
+  std::uint64_t memoryBytes = 0;  ///< of address space; 0: no limit
 };
 
 /// Runs the import in a process of its own, which may crash, hang or eat memory without harm to this one:

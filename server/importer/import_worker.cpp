@@ -1,9 +1,12 @@
+#include <cstdint>
 #include <cstdio>
+#include <fstream>
 #include <iostream>
 #include <new>
 #include <set>
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "common/assets/store_assets.h"
 #include "common/base/sandbox.h"
@@ -17,10 +20,32 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// What an import needs at least beside the program itself. With less not even a reader can be loaded, and
+/// the file would be said to be of an unknown kind.
+constexpr std::uint64_t kLeastRoomBytes = 64 << 20;
+
 void answer(const Json& line) {
   const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   std::fwrite(text.data(), 1, text.size(), stdout);
   std::fflush(stdout);
+}
+
+/// Said without memory of its own, as there is none left.
+void answerMemory() {
+  static constexpr char line[] = "{\"memory\": true}\n";
+  (void)!::write(STDOUT_FILENO, line, sizeof line - 1);
+}
+
+/// A moment by the clock of files that has passed: whatever changes from now on has a later time.
+timespec passedMoment() {
+  timespec start{}, now{};
+  ::clock_gettime(CLOCK_REALTIME_COARSE, &start);
+  now = start;
+  for (int tries = 0; tries < 100 && now.tv_sec == start.tv_sec && now.tv_nsec == start.tv_nsec; ++tries) {
+    ::usleep(500);
+    ::clock_gettime(CLOCK_REALTIME_COARSE, &now);
+  }
+  return start;
 }
 
 /// Whether the file's content or place has changed since then.
@@ -57,17 +82,30 @@ Result<std::vector<SceneDependency>> dependenciesOf(const std::set<std::filesyst
   return dependencies;
 }
 
+/// What the reader may touch. The scene or its folder may be links: what they stand for is readable, too.
+SandboxRules rulesOf(const ImportOrder& order) {
+  SandboxRules rules{.readable = systemReadable(), .writable = {order.store}};
+  const std::filesystem::path folder = std::filesystem::absolute(order.job.scene).parent_path();
+  rules.readable.push_back(folder);
+  for (const std::filesystem::path& path : {folder, order.job.scene}) {
+    std::error_code ec;
+    const std::filesystem::path real = std::filesystem::canonical(path, ec);
+    if (!ec) rules.readable.push_back(real);
+  }
+  return rules;
+}
+
 Status import(const ImportOrder& order) {
-  timespec start{};
-  ::clock_gettime(CLOCK_REALTIME_COARSE, &start);
+  if (Status limited = limitProcess({.addressSpaceBytes = order.memoryBytes}); !limited) return limited;
+  const timespec start = passedMoment();
   auto opened = DiskStore::open({.folder = order.store});
   if (!opened) return opened.error();
   const std::shared_ptr<DiskStore> store = std::move(*opened);
   const std::filesystem::path folder =
       std::filesystem::absolute(order.job.scene).parent_path().lexically_normal();
-  SandboxRules rules{.readable = systemReadable(), .writable = {order.store}};
-  rules.readable.push_back(folder);
-  if (const auto confined = confine(rules); !confined) return confined.error();
+  const auto confined = confine(rulesOf(order));
+  if (!confined) return confined.error();
+  if (!confined->missing.empty()) answer({{"confined", confined->missing}});
 
   const auto assets = std::make_shared<StoreAssets>(store);
   auto loaded = loadSceneWithFiles(order.job.scene, {.up = order.job.up,
@@ -90,6 +128,13 @@ Status import(const ImportOrder& order) {
   return store->putEntry(order.entry, std::as_bytes(std::span(index)));
 }
 
+bool hasRoom(std::uint64_t memoryBytes) {
+  unsigned long long pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const auto taken = pages * static_cast<unsigned long long>(::sysconf(_SC_PAGESIZE));
+  return memoryBytes == 0 || taken + kLeastRoomBytes <= memoryBytes;
+}
+
 }  // namespace
 
 int runImportWorker() {
@@ -97,12 +142,16 @@ int runImportWorker() {
   std::getline(std::cin, text);
   const auto order = orderFrom(text);
   if (!order) return 2;
+  if (!hasRoom(order->memoryBytes)) {
+    answerMemory();
+    return 1;
+  }
   try {
     const Status status = import(*order);
     answer(status ? Json{{"done", true}} : errorJson(status.error()));
     return status ? 0 : status.error().exitStatus();
   } catch (const std::bad_alloc&) {
-    answer({{"memory", true}});
+    answerMemory();
   } catch (const std::exception& e) {
     answer(errorJson(inputError(order->job.scene.string(), std::string("cannot be imported: ") + e.what())));
   }
