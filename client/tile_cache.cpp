@@ -218,9 +218,9 @@ CachedLeaf* TileCache::find(std::uint32_t leaf) {
 Status TileCache::add(const proto::Poses& message) {
   for (const proto::Pose& pose : message.poses) {
     const std::string name = "pose of leaf " + std::to_string(pose.id);
-    const auto leaf = leaves_.find(pose.id);
-    if (leaf == leaves_.end()) return runtimeError(name, "comes before the leaf's record");
-    if (Status status = place(leaf->second, pose); !status) return runtimeError(name, status.error().what);
+    CachedLeaf* leaf = find(pose.id);
+    if (!leaf) return runtimeError(name, "comes before the leaf's record");
+    if (Status status = place(*leaf, pose); !status) return runtimeError(name, status.error().what);
   }
   return Done{};
 }

@@ -78,7 +78,7 @@ TEST(Frame, AnotherVersionIsNamedWhateverFollows) {
 }
 
 TEST(Frame, UnknownTypesAreRefused) {
-  for (const unsigned type : {0U, 15U, 255U, 256U + 5U, 65535U}) {
+  for (const unsigned type : {0U, 18U, 19U, 21U, 255U, 256U + 5U, 65535U}) {
     const HeaderBytes bytes = written({.type = static_cast<MessageType>(type)});
     EXPECT_EQ(errorOf(parseHeader(bytes)), ProtocolError::UnknownType) << type;
   }
