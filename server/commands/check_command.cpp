@@ -56,6 +56,7 @@ void addCheckCommand(CLI::App& tessera, std::vector<Command>& commands) {
   flags->files.addWall(*app);
   app->add_option("--scene", flags->files.scene, "Scene to check as well");
   flags->files.addUp(*app);
+  flags->files.addStore(*app);
   app->add_option("--camera", flags->files.camera, "Camera path to check as well");
   app->add_option("--svg", flags->svg, "Draw the wall into this file");
   app->add_flag("--print-config", flags->printsConfig,

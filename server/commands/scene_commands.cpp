@@ -145,6 +145,7 @@ void addSceneCommands(CLI::App& tessera, std::vector<Command>& commands) {
   auto flags = std::make_shared<InspectFlags>();
   app->add_option("scene,--scene", flags->files.scene, "The scene file")->required();
   flags->files.addUp(*app);
+  flags->files.addStore(*app);
   app->add_option("--json", flags->json, "Write all of it to this file");
   commands.push_back({app, [flags] { return inspect(*flags); }});
   addMakeCommand(*scene, commands);

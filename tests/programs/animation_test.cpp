@@ -149,7 +149,8 @@ TEST(LevelsOfDetail, AreTheSameOnAllTiles) {
     std::getline(in, line);
     while (std::getline(in, line)) {
       std::set<std::uint32_t>& leaves = frames.emplace_back();
-      for (const auto& [tile, entry] : nlohmann::json::parse(line).at("tiles").items()) {
+      const auto parsed = nlohmann::json::parse(line);
+      for (const auto& [tile, entry] : parsed.at("tiles").items()) {
         for (const auto& range : entry.at("visible")) {
           for (std::uint32_t leaf = range[0]; leaf < range[1].get<std::uint32_t>(); ++leaf)
             leaves.insert(leaf);
