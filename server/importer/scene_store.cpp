@@ -105,8 +105,10 @@ Result<OpenedScene> importInto(const Store& store, const ImportJob& job, const s
   auto found = find(store, job, entry);
   if (!found) return found.error();
   if (!*found) {
-    return runtimeError(job.scene.string(), "was imported, but what came of it cannot be read back",
-                        "does another program clear " + store.folder.string() + "?");
+    // The worker has seen it whole; since then something is another.
+    return inputError(
+        job.scene.string(), "it or a file beside it was changed while it was imported",
+        "start again once all is written, and let no other program clear " + store.folder.string());
   }
   (*found)->wasImported = true;
   store.disk->evict();
