@@ -1,5 +1,7 @@
 #include "server/master/tile_session.h"
 
+#include <algorithm>
+
 #include <spdlog/spdlog.h>
 
 #include "proto/codec.h"
@@ -82,7 +84,8 @@ awaitable<Result<std::shared_ptr<const TileFacts>>> readFacts(std::shared_ptr<ne
     if (!message) co_return message.error();
     const auto have = proto::decodeHave(message->payload);
     if (!have) co_return have.error();
-    if (have->ids.empty() || have->ids.size() > hello.haveCount - told)
+    // Each but the last is full: else a peer could tell of one at a time, and hold its place for ever.
+    if (have->ids.size() != std::min<std::size_t>(hello.haveCount - told, proto::kMaxAssetsPerMessage))
       co_return runtimeError("", "tells of other assets than it announced");
     told += static_cast<std::uint32_t>(have->ids.size());
     for (const proto::Sha256& id : have->ids) {
